@@ -1,0 +1,1 @@
+"""Feature matching for robotics: the small library behind the notebooks."""
