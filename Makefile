@@ -1,0 +1,59 @@
+# One command for each thing people do here. `make` alone lists them.
+
+SHELL := /bin/bash
+VENV := .venv
+RUN := $(VENV)/bin/python
+READY := $(VENV)/.ready
+PYTEST := $(RUN) -m pytest -n 2 --dist loadfile
+BENCHES = $(sort $(wildcard tests/bench/bench_*.py))
+
+.DEFAULT_GOAL := help
+.PHONY: help lab test lint test-opencv4 bench site notebooks images system lock clean
+
+help: ## list these targets
+	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / {printf "  make %-14s %s\n", $$1, $$2}' $(firstword $(MAKEFILE_LIST))
+
+lab: $(READY) ## open the course in JupyterLab (sets everything up the first time)
+	@.ci/lab
+
+test: $(READY) lint ## pass the tests (sets everything up the first time)
+	$(PYTEST) --nbval --nbval-sanitize-with tests/notebooks/sanitize.cfg tests notebooks
+
+lint: $(READY)
+	$(VENV)/bin/ruff check .
+	$(VENV)/bin/ruff format --check .
+	$(VENV)/bin/mypy
+
+test-opencv4: .venv-opencv4/.ready ## pass the library's tests on OpenCV 4 too
+	.venv-opencv4/bin/python -m pytest tests/unit
+
+bench: $(READY) ## measure sliders, the locator and the notebooks against what one would otherwise use
+	@set -e; for bench in $(BENCHES); do echo "== $$bench"; $(RUN) $$bench; done
+
+site: $(READY) ## export the course as web pages whose sliders need no kernel, into site/
+	$(RUN) -m course_lib.publish.site --out site
+
+notebooks: $(READY) ## execute the notebooks and store their outputs, as CI expects them
+	$(RUN) -m course_lib.publish.execute
+
+images: .venv-render/.ready ## render every picture and flight again (Python 3.11; hours on two cores)
+	.venv-render/bin/python images/render/render_all.py
+
+system: ## install the Debian packages for the browser, sandbox and ROS tests
+	@.ci/system
+
+lock: $(READY) ## pin every dependency again, after a change of pyproject.toml
+	@.ci/lock
+
+clean: ## remove the environments and everything that was built
+	rm -rf .venv .venv-opencv4 .venv-render site build .mypy_cache .pytest_cache .ruff_cache
+
+# An environment is ready when its stamp exists; .ci/environment heals a broken one.
+$(READY): requirements.lock pyproject.toml
+	@.ci/environment $(VENV) requirements.lock
+
+.venv-opencv4/.ready: tests/requirements-opencv4.lock pyproject.toml
+	@.ci/environment .venv-opencv4 tests/requirements-opencv4.lock
+
+.venv-render/.ready: images/render/requirements.lock
+	@.ci/environment .venv-render images/render/requirements.lock

@@ -1,0 +1,22 @@
+"""Rules for every test run: in strict mode (CI) a skipped test is a failure."""
+
+from __future__ import annotations
+
+import os
+
+import pytest
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """Fail a strict run in which anything was skipped.
+
+    Under xdist the workers' reports arrive at the controller, so only it decides.
+    """
+    if os.environ.get("COURSE_STRICT") != "1" or hasattr(session.config, "workerinput"):
+        return
+    reporter = session.config.pluginmanager.get_plugin("terminalreporter")
+    skipped = reporter.stats.get("skipped", [])
+    if skipped:
+        reporter.write_line(f"COURSE_STRICT=1: {len(skipped)} skipped, which CI forbids", red=True)
+        if session.exitstatus == 0:
+            session.exitstatus = pytest.ExitCode.TESTS_FAILED
