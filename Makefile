@@ -48,7 +48,10 @@ lock: $(READY) ## pin every dependency again, after a change of pyproject.toml
 clean: ## remove the environments and everything that was built
 	rm -rf .venv .venv-opencv4 .venv-render site build .mypy_cache .pytest_cache .ruff_cache
 
-# An environment is ready when its stamp exists; .ci/environment heals a broken one.
+# An environment is ready when its stamp exists. A system upgrade can take its Python away: then
+# the stamp lies and goes.
+$(shell [ -e $(READY) ] && ! $(RUN) -c '' 2>/dev/null && rm -f $(READY))
+
 $(READY): requirements.lock pyproject.toml
 	@.ci/environment $(VENV) requirements.lock
 
