@@ -1,0 +1,1 @@
+"""The autograder: it looks at submissions from outside; nothing a student imports knows it."""
