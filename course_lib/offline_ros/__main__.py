@@ -1,0 +1,144 @@
+"""Command line: `python -m course_lib.offline_ros NODE.py [name:=value ...]`."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import threading
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rich.console import Console as Terminal
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from course_lib.offline_ros.bag import BagSource
+from course_lib.offline_ros.errors import BagError
+from course_lib.offline_ros.host import Host, Limits
+
+if TYPE_CHECKING:
+    from course_lib.offline_ros.runtime import Runtime
+
+_EPILOG = """\
+arguments for the node, as on ROS:
+  topic:=other      use another topic
+  _param:=value     set the node's private parameter
+  __name:=value     name the node
+
+exit status: 0 the node ended, 1 it crashed, 2 wrong usage or bag, 3 it had to be stopped
+"""
+
+
+def _rate(text: str) -> float | None:
+    if text == "max":
+        return None
+    try:
+        rate = float(text)
+    except ValueError:
+        rate = 0.0
+    if not rate > 0:
+        msg = f"{text!r} is neither a positive number nor max"
+        raise argparse.ArgumentTypeError(msg)
+    return rate
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="python -m course_lib.offline_ros",
+        description="Run an unchanged ROS 1 node on a recording, where no ROS is installed.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    add = parser.add_argument
+    add("node", type=Path, metavar="NODE.py", help="the node's file")
+    add("arguments", nargs="*", metavar="name:=value", help="remaps and parameters (see below)")
+    add("--bag", default="flight.bag", metavar="FILE", help="the recording (default: %(default)s)")
+    add(
+        "--rate",
+        type=_rate,
+        default=None,
+        metavar="HZ|max",
+        help="pictures per second of wall clock, a slow node misses some; "
+        "max: every picture, as quick as the node allows (default)",
+    )
+    add("--duration", type=float, metavar="SECONDS", help="stop after this much recorded time")
+    add("--max-frames", type=int, metavar="N", help="stop after N pictures")
+    add("--topic", action="append", metavar="TOPIC", help="play only this topic (repeatable)")
+    add("--record", type=Path, metavar="OUT.bag|DIR", help="keep what the node publishes")
+    add("--keep-going", action="store_true", help="log an error in a callback and go on, as ROS")
+    add("--timeout", type=float, metavar="SECONDS", help="stop after this much wall time")
+    add(
+        "--stall",
+        type=float,
+        default=60.0,
+        metavar="SECONDS",
+        help="stop a node that shows no sign of life for this long (default: %(default)g)",
+    )
+    add("--quiet", action="store_true", help="no progress bar and no summary")
+    add("--with-parent", action="store_true", help=argparse.SUPPRESS)
+    return parser
+
+
+def _show_progress(runtime: Runtime, done: threading.Event) -> None:
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
+    with Progress(
+        *columns, TimeRemainingColumn(), console=Terminal(stderr=True), transient=True
+    ) as bar:
+        task = bar.add_task("pictures", total=runtime.source.frame_count or None)
+        while not done.wait(0.2):
+            bar.update(task, completed=runtime.frames)
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run the command.
+
+    Parameters
+    ----------
+    argv : list of str, optional
+        Its arguments. Default: those of the process.
+
+    Returns
+    -------
+    int
+        Exit status.
+    """
+    parser = _parser()
+    options = parser.parse_intermixed_args(argv)
+    if not options.node.is_file():
+        parser.error(f"there is no node file {options.node}")
+    record: Path | None = options.record
+    if record is not None and (record.is_dir() or record.suffix != ".bag"):
+        record.mkdir(parents=True, exist_ok=True)
+        record /= f"{options.node.stem}.bag"
+    try:
+        source = BagSource(options.bag, topics=options.topic, max_frames=options.max_frames)
+    except (BagError, ValueError) as error:
+        parser.error(str(error))
+    if record is not None and record.resolve() == source.path:
+        parser.error("--record would overwrite the recording that is played")
+    host = Host(
+        options.node,
+        options.arguments,
+        source,
+        record=record,
+        limits=Limits(options.timeout, options.stall or None, options.with_parent),
+        rate=options.rate,
+        duration=options.duration,
+        keep_going=options.keep_going,
+    )
+    done = threading.Event()
+    if not options.quiet and sys.stderr.isatty():
+        threading.Thread(target=_show_progress, args=(host.runtime, done), daemon=True).start()
+    status = host.run()
+    done.set()
+    if not options.quiet:
+        print(host.summary(), file=sys.stderr)  # noqa: T201  (this is a command)
+    return status
+
+
+if __name__ == "__main__":
+    code = main()
+    sys.stdout.flush()
+    sys.stderr.flush()
+    # Threads of the node that never end must not keep the process alive.
+    os._exit(code)

@@ -1,0 +1,96 @@
+"""`message_filters`: several topics brought together by their stamps."""
+
+from __future__ import annotations
+
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+from course_lib.offline_ros.modules import _rospy_graph, get_runtime
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+
+class SimpleFilter:
+    """Passes messages on to callbacks."""
+
+    def __init__(self) -> None:
+        self.callbacks: list[tuple[Callable[..., None], tuple[Any, ...]]] = []
+
+    def registerCallback(self, cb: Callable[..., None], *args: object) -> None:  # noqa: N802
+        """Add a callback; `args` follow the messages."""
+        self.callbacks.append((cb, args))
+
+    def signalMessage(self, *messages: object) -> None:  # noqa: N802
+        """Pass messages on."""
+        for callback, args in self.callbacks:
+            callback(*messages, *args)
+
+
+class Subscriber(SimpleFilter):
+    """A `rospy.Subscriber` as the beginning of a chain of filters."""
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:  # noqa: ANN401  (rospy.Subscriber's)
+        super().__init__()
+        self.topic = args[0] if args else kwargs["name"]
+        self.sub = _rospy_graph.Subscriber(*args, **{**kwargs, "callback": self.signalMessage})
+
+
+class ApproximateTimeSynchronizer(SimpleFilter):
+    """Brings together messages whose stamps differ by at most `slop` seconds.
+
+    Parameters
+    ----------
+    fs : list of Subscriber
+        The topics.
+    queue_size : int
+        How many messages of each topic wait for partners.
+    slop : float
+        Greatest difference of stamps, in seconds.
+    allow_headerless : bool, optional
+        Messages without header are stamped when they arrive.
+    """
+
+    def __init__(
+        self,
+        fs: list[SimpleFilter],
+        queue_size: int,
+        slop: float,
+        allow_headerless: bool = False,  # noqa: FBT001, FBT002  (message_filters')
+    ) -> None:
+        super().__init__()
+        self._slop_ns = round(slop * 1e9)
+        self._size = queue_size
+        self._headerless = allow_headerless
+        self._queues: list[dict[int, Any]] = [{} for _ in fs]
+        for index, source in enumerate(fs):
+            source.registerCallback(self._add, index)
+
+    def _add(self, message: Any, index: int) -> None:  # noqa: ANN401  (any message class)
+        if hasattr(message, "header"):
+            stamp = message.header.stamp.to_nsec()
+        elif self._headerless:
+            stamp = get_runtime().now_ns()
+        else:
+            return
+        queue = self._queues[index]
+        queue[stamp] = message
+        if len(queue) > self._size:
+            del queue[min(queue)]
+        near = [
+            [stamp] if i == index else [t for t in q if abs(t - stamp) <= self._slop_ns]
+            for i, q in enumerate(self._queues)
+        ]
+        fitting = [row for row in product(*near) if max(row) - min(row) <= self._slop_ns]
+        if not fitting:
+            return
+        best = min(fitting, key=lambda row: (max(row) - min(row), row))
+        messages = [q.pop(t) for q, t in zip(self._queues, best, strict=True)]
+        self.signalMessage(*messages)
+
+
+class TimeSynchronizer(ApproximateTimeSynchronizer):
+    """Brings together messages with equal stamps (see `ApproximateTimeSynchronizer`)."""
+
+    def __init__(self, fs: list[SimpleFilter], queue_size: int) -> None:
+        super().__init__(fs, queue_size, slop=0.0)

@@ -1,0 +1,135 @@
+"""`rospy`, for one node without a ROS master."""
+
+from __future__ import annotations
+
+from typing import NoReturn
+
+from course_lib.offline_ros import exceptions
+from course_lib.offline_ros.errors import UnsupportedError
+from course_lib.offline_ros.exceptions import (
+    ROSException,
+    ROSInitException,
+    ROSInternalException,
+    ROSInterruptException,
+    ROSSerializationException,
+)
+from course_lib.offline_ros.messages import Message, message_class
+from course_lib.offline_ros.modules import _rospy_log
+from course_lib.offline_ros.modules._rospy_graph import (
+    DEBUG,
+    ERROR,
+    FATAL,
+    INFO,
+    WARN,
+    Publisher,
+    Subscriber,
+    get_caller_id,
+    get_name,
+    get_namespace,
+    get_node_uri,
+    get_published_topics,
+    init_node,
+    is_shutdown,
+    myargv,
+    on_shutdown,
+    remap_name,
+    resolve_name,
+    signal_shutdown,
+    spin,
+    wait_for_message,
+)
+from course_lib.offline_ros.modules._rospy_param import (
+    delete_param,
+    get_param,
+    get_param_cached,
+    get_param_names,
+    has_param,
+    search_param,
+    set_param,
+)
+from course_lib.offline_ros.modules._rospy_time import (
+    Rate,
+    Timer,
+    get_rostime,
+    get_time,
+    sleep,
+)
+from course_lib.offline_ros.times import Duration, Time
+
+Header = message_class("std_msgs/Header")
+Log = message_class("rosgraph_msgs/Log")
+
+__all__ = [
+    "DEBUG",
+    "ERROR",
+    "FATAL",
+    "INFO",
+    "WARN",
+    "Duration",
+    "Header",
+    "Log",
+    "Message",
+    "Publisher",
+    "ROSException",
+    "ROSInitException",
+    "ROSInternalException",
+    "ROSInterruptException",
+    "ROSSerializationException",
+    "Rate",
+    "Subscriber",
+    "Time",
+    "Timer",
+    "delete_param",
+    "exceptions",
+    "get_caller_id",
+    "get_name",
+    "get_namespace",
+    "get_node_uri",
+    "get_param",
+    "get_param_cached",
+    "get_param_names",
+    "get_published_topics",
+    "get_rostime",
+    "get_time",
+    "has_param",
+    "init_node",
+    "is_shutdown",
+    "myargv",
+    "on_shutdown",
+    "remap_name",
+    "resolve_name",
+    "search_param",
+    "set_param",
+    "signal_shutdown",
+    "sleep",
+    "spin",
+    "wait_for_message",
+]
+
+globals().update(_rospy_log.FUNCTIONS)
+
+_SERVICES = "a recording answers no service; use topics, or run the node on ROS"
+_UNSUPPORTED = {
+    "AnyMsg": "subscribe with the topic's own message class",
+    "MasterProxy": "there is no ROS master here",
+    "Service": _SERVICES,
+    "ServiceException": _SERVICES,
+    "ServiceProxy": _SERVICES,
+    "SubscribeListener": "publish without waiting for listeners",
+    "get_master": "there is no ROS master here",
+    "get_ros_root": "there is no ROS installation here",
+    "msg": "import message classes from std_msgs.msg and the like",
+    "names": "use rospy.resolve_name",
+    "numpy_msg": "turn the fields into arrays with numpy.asarray",
+    "parse_rosrpc_uri": _SERVICES,
+    "rostime": "use rospy.Time, rospy.Rate and rospy.sleep",
+    "topics": "use rospy.Publisher and rospy.Subscriber",
+    "wait_for_service": _SERVICES,
+}
+
+
+def __getattr__(name: str) -> NoReturn:
+    if name in _UNSUPPORTED:
+        raise UnsupportedError(f"rospy.{name}", _UNSUPPORTED[name])
+    msg = f"module 'rospy' has no attribute {name!r}"
+    raise AttributeError(msg)

@@ -1,0 +1,217 @@
+"""What a node did: published messages, log lines and windows, kept in one ROS 1 bag.
+
+A bag is data, not code: reading one that a stranger's node has written runs nothing.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+import threading
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import cv2
+import numpy as np
+from rosbags.rosbag1 import Reader, ReaderError, Writer
+
+from course_lib.offline_ros.errors import BagError
+from course_lib.offline_ros.messages import (
+    STORE,
+    Message,
+    deserialize,
+    message_class,
+    serialize,
+    type_name,
+)
+
+if TYPE_CHECKING:
+    from tempfile import TemporaryDirectory
+
+    from numpy.typing import NDArray
+
+ROSOUT = "/rosout"
+WINDOWS = "/offline_ros/windows"
+OUTCOME = "/offline_ros/outcome"
+_HIDDEN = {ROSOUT, WINDOWS, OUTCOME}
+
+
+class Recorder:
+    """Writes a recording; safe to use from several threads.
+
+    Parameters
+    ----------
+    path : Path
+        The bag to write; replaced if it exists.
+    """
+
+    def __init__(self, path: Path) -> None:
+        path.unlink(missing_ok=True)
+        self._writer: Writer | None = Writer(path)
+        self._writer.open()
+        self._connections: dict[str, Any] = {}
+        self._lock = threading.Lock()
+
+    def announce(self, topic: str, msgtype: str, *, latch: bool = False) -> None:
+        """Make a topic known, even if nothing is ever published on it."""
+        with self._lock:
+            if self._writer and topic not in self._connections:
+                full = msgtype.replace("/", "/msg/")
+                self._connections[topic] = self._writer.add_connection(
+                    topic, full, typestore=STORE, latching=int(latch)
+                )
+
+    def write(self, topic: str, stamp_ns: int, msgtype: str, raw: bytes) -> None:
+        """Add a serialized message."""
+        self.announce(topic, msgtype)
+        with self._lock:
+            if self._writer:
+                self._writer.write(self._connections[topic], stamp_ns, raw)
+
+    def write_message(self, topic: str, stamp_ns: int, message: Message) -> None:
+        """Add a message."""
+        self.write(topic, stamp_ns, type_name(message), serialize(message))
+
+    def close(self) -> None:
+        """Finish the bag; what comes later is dropped."""
+        with self._lock:
+            if self._writer:
+                self._writer.close()
+            self._writer = None
+
+
+@dataclass(frozen=True)
+class LogLine:
+    """One line a node logged.
+
+    Attributes
+    ----------
+    stamp_ns : int
+        Simulated time.
+    level : str
+        DEBUG, INFO, WARN, ERROR or FATAL.
+    text : str
+        What it said.
+    """
+
+    stamp_ns: int
+    level: str
+    text: str
+
+
+class Recording(Mapping[str, list[tuple[int, Any]]]):
+    """What a node published, by topic: a list of (stamp in ns, message), in order.
+
+    Parameters
+    ----------
+    bag : str or Path
+        A bag written by `python -m course_lib.offline_ros --record`.
+    output : str, optional
+        What the node printed.
+
+    Attributes
+    ----------
+    bag : Path
+        The bag itself; `save` keeps a copy of it.
+    output : str
+        What the node printed, log lines included.
+    log : list of LogLine
+        What it logged.
+    windows : dict of str to ndarray
+        The last picture of each `cv2.imshow` window (BGR uint8).
+    outcome : dict
+        `reason` the node ended, `frames` played, `dropped` messages, `seconds` of wall clock.
+
+    Raises
+    ------
+    BagError
+        When the file is not such a bag.
+
+    Examples
+    --------
+    >>> recording = run_node("finder.py")  # doctest: +SKIP
+    >>> for stamp_ns, message in recording["/object/corners"]:  # doctest: +SKIP
+    ...     print(stamp_ns, len(message.polygon.points))
+    """
+
+    def __init__(
+        self, bag: str | Path, *, output: str = "", folder: TemporaryDirectory[str] | None = None
+    ) -> None:
+        self.bag = Path(bag)
+        self.output = output
+        self._folder = folder  # the temporary folder lives as long as the recording
+        self._messages: dict[str, list[tuple[int, Any]]] = {}
+        try:
+            with Reader(self.bag) as reader:
+                self._types = {c.topic: c.msgtype for c in reader.connections}
+        except (ReaderError, OSError) as error:
+            msg = f"{self.bag} is not a recording: {error}"
+            raise BagError(msg) from error
+
+    def __getitem__(self, topic: str) -> list[tuple[int, Any]]:
+        if topic not in self._types:
+            known = ", ".join(self) or "nothing"
+            msg = f"the node did not publish {topic}; it published {known}"
+            raise KeyError(msg)
+        if topic not in self._messages:
+            with Reader(self.bag) as reader:
+                connections = [c for c in reader.connections if c.topic == topic]
+                self._messages[topic] = [
+                    (stamp_ns, deserialize(raw, connection.msgtype))
+                    for connection, stamp_ns, raw in reader.messages(connections)
+                ]
+        return self._messages[topic]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(sorted(self._types.keys() - _HIDDEN))
+
+    def __len__(self) -> int:
+        return len(self._types.keys() - _HIDDEN)
+
+    def __repr__(self) -> str:
+        rows = [f"  {topic}: {len(self[topic])} messages" for topic in self]
+        return "\n".join(["Recording", *rows, f"  log: {len(self.log)} lines"])
+
+    def _hidden(self, topic: str) -> list[tuple[int, Any]]:
+        return self[topic] if topic in self._types else []
+
+    @cached_property
+    def log(self) -> list[LogLine]:
+        """What the node logged."""
+        cls = message_class("rosgraph_msgs/Log")
+        levels = {getattr(cls, name): name for name in ("DEBUG", "INFO", "WARN", "ERROR", "FATAL")}
+        return [LogLine(t, levels[line.level], line.msg) for t, line in self._hidden(ROSOUT)]
+
+    @cached_property
+    def windows(self) -> dict[str, NDArray[np.uint8]]:
+        """The last picture of each window the node opened."""
+        return {
+            shown.header.frame_id: np.asarray(
+                cv2.imdecode(np.frombuffer(shown.data, np.uint8), cv2.IMREAD_COLOR), np.uint8
+            )
+            for _, shown in self._hidden(WINDOWS)
+        }
+
+    @cached_property
+    def outcome(self) -> dict[str, Any]:
+        """How the run ended."""
+        found = self._hidden(OUTCOME)
+        return dict(json.loads(found[-1][1].data)) if found else {}
+
+    def save(self, path: str | Path) -> Path:
+        """Keep a copy of the bag, which any ROS tool can read.
+
+        Parameters
+        ----------
+        path : str or Path
+            Where; replaced if it exists.
+
+        Returns
+        -------
+        Path
+            Where it now is.
+        """
+        return Path(shutil.copyfile(self.bag, path))

@@ -1,0 +1,175 @@
+"""Runs a node from a notebook: in its own process, with data coming back as a bag."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from contextlib import suppress
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+from course_lib.offline_ros.bag import find_bag
+from course_lib.offline_ros.errors import BagError, NodeError, OfflineRosError
+from course_lib.offline_ros.host import CRASHED, ENDED
+from course_lib.offline_ros.recording import Recording
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Mapping
+
+_ROOT = Path(__file__).resolve().parents[2]
+_MOST_OUTPUT = 1_000_000  # bytes of printed text that are kept, from the end
+
+
+def run_node(
+    path: str | Path,
+    *,
+    bag: str | Path = "flight.bag",
+    remap: Mapping[str, str] | None = None,
+    params: Mapping[str, Any] | None = None,
+    topics: Collection[str] | None = None,
+    timeout: float | None = None,
+    max_frames: int | None = None,
+    rate: float | None = None,
+    duration: float | None = None,
+    keep_going: bool = False,
+    stall: float | None = 60.0,
+) -> Recording:
+    """Run a ROS 1 node file on a recording and give back what it did.
+
+    The node runs in a process of its own, so its endless loops, signal handlers and global
+    state stay out of this one. By default time is simulated: every message is delivered, in
+    order, and two runs give the same result whatever the machine's speed.
+
+    Parameters
+    ----------
+    path : str or Path
+        The node's file.
+    bag : str or Path, optional
+        A ROS 1 or ROS 2 bag, by path or by the course's name for it.
+    remap : mapping of str to str, optional
+        Topics to rename, `{"/camera/image": "/camera/rgb/image_raw"}`.
+    params : mapping of str to object, optional
+        The node's private parameters, `{"match_count": 100}`.
+    topics : collection of str, optional
+        Play only these. Default: all.
+    timeout : float, optional
+        Wall seconds after which the node is stopped. Default: no limit.
+    max_frames : int, optional
+        Play only so many pictures.
+    rate : float, optional
+        Pictures per second of wall clock; a node that is slower misses some, as on a robot.
+        Default: as quick as the node allows, and it misses none.
+    duration : float, optional
+        Simulated seconds after which the node is shut down. Default: one second after the
+        last message.
+    keep_going : bool, optional
+        Log an exception in a callback and go on, as ROS does. Default: stop there.
+    stall : float, optional
+        Wall seconds without a sign of life after which the node is stopped.
+
+    Returns
+    -------
+    Recording
+        Published messages by topic, log lines, windows.
+
+    Raises
+    ------
+    FileNotFoundError
+        When there is no such node file.
+    BagError
+        When the bag is missing, unreadable or has none of these topics.
+    NodeError
+        When the node crashed or had to be stopped; it carries what was recorded until then.
+    """
+    node = Path(path)
+    if not node.is_file():
+        msg = f"there is no node file {node}"
+        raise FileNotFoundError(msg)
+    arguments = [f"{left}:={right}" for left, right in (remap or {}).items()]
+    arguments += [f"_{name.lstrip('~_')}:={_yaml(value)}" for name, value in (params or {}).items()]
+    options: list[str] = ["--quiet", "--with-parent", f"--bag={find_bag(bag)}"]
+    options += [f"--topic={topic}" for topic in topics or ()]
+    for name, value in (
+        ("timeout", timeout),
+        ("max-frames", max_frames),
+        ("rate", rate),
+        ("duration", duration),
+        ("stall", stall or 0),
+    ):
+        if value is not None:
+            options.append(f"--{name}={value}")
+    if keep_going:
+        options.append("--keep-going")
+
+    folder = TemporaryDirectory(prefix="offline_ros_")
+    record = Path(folder.name) / "recording.bag"
+    printed = Path(folder.name) / "output.txt"
+    command = [sys.executable, "-m", "course_lib.offline_ros", f"--record={record}"]
+    status = _run([*command, *options, str(node), *arguments], printed)
+    output = _tail(printed)
+    if status == 2 and not record.exists():
+        raise BagError(output.rpartition("error: ")[2].strip())
+    try:
+        recording = Recording(record, output=output, folder=folder)
+    except BagError as error:
+        how = f"by signal {-status}" if status < 0 else f"with status {status}"
+        msg = f"{node.name} was ended {how} before it could be recorded"
+        raise NodeError(msg, traceback=output) from error
+    kind = recording.outcome.get("kind")
+    if kind != ENDED:
+        verb = "crashed" if kind == CRASHED else f"was {kind}"
+        raise NodeError(
+            f"{node.name} {verb}", traceback=recording.outcome["text"], recording=recording
+        )
+    return recording
+
+
+def _yaml(value: object) -> str:
+    # JSON is YAML, and quotes a text that would otherwise be read as a number.
+    try:
+        return json.dumps(value)
+    except TypeError as error:
+        msg = f"a parameter is a number, text, truth value, list or dict, not {value!r}"
+        raise OfflineRosError(msg) from error
+
+
+def _tail(printed: Path) -> str:
+    with printed.open("rb") as file:
+        size = file.seek(0, os.SEEK_END)
+        file.seek(max(0, size - _MOST_OUTPUT))
+        return file.read().decode(errors="replace")
+
+
+def _run(command: list[str], printed: Path) -> int:
+    environment = dict(os.environ)
+    paths = [str(_ROOT), environment.get("PYTHONPATH", "")]
+    environment["PYTHONPATH"] = os.pathsep.join(filter(None, paths))
+    environment["PYTHONUNBUFFERED"] = "1"
+    with printed.open("wb") as output:
+        # A session of its own: an interrupt reaches this process alone, and it ends the whole
+        # group, the node's own children included.
+        process = subprocess.Popen(  # noqa: S603  (the node is what the caller wants to run)
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            env=environment,
+            start_new_session=True,
+        )
+        try:
+            return process.wait()
+        except BaseException:
+            process.terminate()
+            try:
+                process.wait(3)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+            raise
+        finally:
+            with suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)

@@ -1,0 +1,379 @@
+"""Whole nodes, each a real process fed from a small bag."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from conftest import FRAME_NS, NODES, START_NS, frame, write_bag
+
+from course_lib.offline_ros import BagError, NodeError, Recording, run_node
+from course_lib.offline_ros.modules.cv_bridge import CvBridge
+
+
+def test_every_picture_arrives_in_order_and_unchanged(bag: Path) -> None:
+    recording = run_node(NODES / "subscriber.py", bag=bag)
+    assert list(recording) == ["/subscriber_1/mean", "/turned"]
+    stamps = [stamp for stamp, _ in recording["/turned"]]
+    assert stamps == [START_NS + i * FRAME_NS for i in range(20)]
+    assert [m.data for _, m in recording["/subscriber_1/mean"]] == [i * 10.0 for i in range(20)]
+    for index, (stamp, message) in enumerate(recording["/turned"]):
+        assert message.header.stamp.to_nsec() == stamp
+        assert (message.encoding, message.width, message.step) == ("bgr8", 64, 192)
+        picture = CvBridge().imgmsg_to_cv2(message)
+        np.testing.assert_array_equal(picture, cv2.rotate(frame(index), cv2.ROTATE_180))
+
+
+def test_two_runs_are_equal_byte_for_byte(bag: Path) -> None:
+    first, second = (run_node(NODES / "subscriber.py", bag=bag) for _ in range(2))
+    assert first.output == second.output
+    assert first["/turned"] == second["/turned"]
+
+
+def test_log_lines_look_as_on_ros_and_are_recorded(bag: Path) -> None:
+    recording = run_node(NODES / "subscriber.py", bag=bag, max_frames=2)
+    assert recording.output.splitlines()[0] == ("[INFO] [1600000000.000000]: frame 0 of camera")
+    assert [(line.level, line.text) for line in recording.log] == [
+        ("INFO", "frame 0 of camera")
+    ] * 2
+
+
+def test_remapped_topics(bag: Path) -> None:
+    recording = run_node(
+        NODES / "subscriber.py",
+        bag=bag,
+        remap={"turned": "/upside_down", "/camera/rgb/image_raw": "/nothing", "__name": "me"},
+    )
+    assert {topic: len(recording[topic]) for topic in recording} == {
+        "/me/mean": 0,
+        "/upside_down": 0,
+    }
+
+
+def test_publisher_loop_keeps_its_rate_and_ends_with_the_bag(bag: Path) -> None:
+    recording = run_node(NODES / "talker.py", bag=bag)
+    stamps = np.array([stamp for stamp, _ in recording["/chatter"]])
+    assert stamps[0] == START_NS
+    np.testing.assert_array_equal(np.diff(stamps), 200_000_000)
+    assert len(stamps) == 15  # 1.9 s of recording and one second more
+    assert recording["/chatter"][3][1].data == "hello 1600000000.6"
+
+
+def test_duration_ends_the_run(bag: Path) -> None:
+    recording = run_node(NODES / "talker.py", bag=bag, duration=0.5)
+    assert len(recording["/chatter"]) == 3
+
+
+def test_class_with_timer_compressed_pictures_and_hook(bag: Path) -> None:
+    recording = run_node(NODES / "timer_class.py", bag=bag)
+    reports = [(m.point.x, m.point.y, m.point.z) for _, m in recording["/report"]]
+    # The first picture passes while the node waits for the camera's calibration.
+    assert reports == [(n, 64, 50.0) for n in (5, 10, 15, 19, 19)]
+    assert recording.output == "bye 19 True\n"
+
+
+def test_parameters_and_names(bag: Path) -> None:
+    recording = run_node(
+        NODES / "params.py",
+        bag=bag,
+        params={"match_count": 7, "~gain": True, "text": "12", "list": [1, "a"]},
+        remap={"__name": "other"},
+    )
+    assert recording.output.splitlines() == [
+        "count 7",
+        "gain True",
+        "text '12'",
+        "list [1, 'a']",
+        "has True True",
+        "nested 2 {'a': 1, 'b': {'c': 2}}",
+        "search /other/match_count",
+        "name /other /x /other/x",
+        "argv []",
+        "missing '/other/missing'",
+        "heard late",
+        "[DEBUG] [1600000000.100000]: a detail",
+    ]
+
+
+def test_crash_shows_the_nodes_own_lines_and_keeps_what_was_published(bag: Path) -> None:
+    with pytest.raises(NodeError, match=r"crash\.py crashed") as caught:
+        run_node(NODES / "crash.py", bag=bag)
+    text = caught.value.traceback
+    assert text.endswith("ValueError: third picture is too much")
+    assert re.findall(r"line \d+, in (\w+|<module>)", text) == ["<module>", "on_image", "work"]
+    assert "course_lib" not in text.replace(str(NODES), "")
+    assert caught.value.recording is not None
+    assert [m.data for _, m in caught.value.recording["/count"]] == [1, 2]
+
+
+def test_keep_going_logs_a_crash_as_ros_does(bag: Path) -> None:
+    recording = run_node(NODES / "crash.py", bag=bag, keep_going=True)
+    assert [m.data for _, m in recording["/count"]] == [1, 2, *range(4, 21)]
+    assert [line.level for line in recording.log] == ["ERROR"]
+    assert "third picture is too much" in recording.log[0].text
+
+
+@pytest.mark.parametrize("kind", ["polling", "time.sleep", "thread", "join"])
+def test_loops_that_never_return_get_every_picture_and_are_ended(bag: Path, kind: str) -> None:
+    recording = run_node(NODES / "loops.py", bag=bag, params={"kind": kind}, timeout=30)
+    assert [m.data for _, m in recording["/count"]] == list(range(1, 21))
+    assert recording.outcome["reason"] == "the recording has ended"
+    assert ("was stopped" in recording.output) == (kind == "time.sleep")
+
+
+def test_thread_with_its_own_rate_runs_in_step_with_the_pictures(bag: Path) -> None:
+    runs = [run_node(NODES / "loops.py", bag=bag, params={"kind": "thread"}) for _ in range(2)]
+    ticks, again = ([m.data for _, m in run["/ticks"]] for run in runs)
+    assert ticks[-1] == 20
+    assert ticks[2:] == again[2:]
+
+
+def test_a_node_without_sign_of_life_is_stopped_and_told_where_it_was(bag: Path) -> None:
+    start = time.monotonic()
+    with pytest.raises(NodeError, match=r"waited for nothing in 1 s") as caught:
+        run_node(NODES / "loops.py", bag=bag, params={"kind": "deaf"}, stall=1)
+    assert time.monotonic() - start < 20
+    assert "loops.py" in caught.value.traceback
+    assert caught.value.recording is not None
+
+
+def test_timeout(bag: Path) -> None:
+    with pytest.raises(NodeError, match=r"still ran after 1 s"):
+        run_node(NODES / "loops.py", bag=bag, params={"kind": "deaf"}, timeout=1)
+
+
+def test_windows_become_pictures(bag: Path) -> None:
+    recording = run_node(NODES / "window.py", bag=bag)
+    assert list(recording.windows) == ["camera"]
+    np.testing.assert_array_equal(recording.windows["camera"], frame(19))
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("rospy.ServiceProxy('a', None)", "rospy.ServiceProxy is not supported by offline_ros"),
+        ("rospy.wait_for_service('a')", "rospy.wait_for_service is not supported by offline_ros"),
+        ("import tf", "import tf is not supported by offline_ros"),
+        ("from std_srvs.srv import Empty", "std_srvs"),
+        ("from sensor_msgs.srv import SetCameraInfo", "import sensor_msgs.srv is not supported"),
+        ("cv2.selectROI('w', None)", "cv2.selectROI is not supported by offline_ros"),
+        ("rospy.nonsense()", "module 'rospy' has no attribute 'nonsense'"),
+        ("from sensor_msgs.msg import Picture", "Picture"),
+    ],
+)
+def test_unsupported_calls_are_refused_by_name(
+    bag: Path, tmp_path: Path, line: str, said: str
+) -> None:
+    node = tmp_path / "node.py"
+    node.write_text(f"import cv2\nimport rospy\nrospy.init_node('n')\n{line}\n")
+    with pytest.raises(NodeError) as caught:
+        run_node(node, bag=bag)
+    assert said in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("rospy.spin()", "ROSInitException: client code must call rospy.init_node() first"),
+        ("rospy.sleep(1)", "time is not initialized. Have you called init_node()?"),
+        ("rospy.Time.now()", "time is not initialized. Have you called init_node()?"),
+        ("rospy.init_node('a/b')", "ValueError: namespaces are not allowed in node names"),
+        ("rospy.Publisher('x', Int8, queue_size=1).publish(1)", "has not been initialized"),
+        ("rospy.Subscriber('x', int, print)", "is not a message data class"),
+        ("rospy.Subscriber('no way', Int8, print)", "'no way' is not a legal ROS name"),
+        ("rospy.init_node('a'); rospy.init_node('b')", "has already been called as /a, now as /b"),
+        (
+            "rospy.init_node('a'); rospy.Publisher('x', Int8, queue_size=1).publish(1000)",
+            "std_msgs/Int8.data = 1000 does not fit in int8",
+        ),
+        (
+            "rospy.init_node('a'); rospy.wait_for_message('/x', Int8, timeout=0.5)",
+            "ROSException: timeout exceeded while waiting for message on topic /x",
+        ),
+        ("import sys; sys.exit('no camera')", "no camera"),
+        ("if True print()", "SyntaxError"),
+    ],
+)
+def test_mistakes_are_told_as_ros_tells_them(
+    bag: Path, tmp_path: Path, line: str, said: str
+) -> None:
+    node = tmp_path / "node.py"
+    node.write_text(f"import rospy\nfrom std_msgs.msg import Int8\n{line}\n")
+    with pytest.raises(NodeError) as caught:
+        run_node(node, bag=bag)
+    assert said in str(caught.value)
+
+
+def test_a_node_killed_from_inside_is_an_error(bag: Path, tmp_path: Path) -> None:
+    node = tmp_path / "node.py"
+    node.write_text("import os\nos.kill(os.getpid(), 9)\n")
+    with pytest.raises(NodeError, match="by signal 9"):
+        run_node(node, bag=bag)
+
+
+def test_queue_of_one_drops_old_pictures_while_the_callback_waits(
+    bag: Path, tmp_path: Path
+) -> None:
+    node = tmp_path / "slow.py"
+    node.write_text(
+        "import rospy\nfrom sensor_msgs.msg import Image\nfrom std_msgs.msg import Time\n"
+        "def slow(m):\n    pub.publish(m.header.stamp)\n    rospy.sleep(0.45)\n"
+        "rospy.init_node('slow')\npub = rospy.Publisher('/t', Time, queue_size=1)\n"
+        "rospy.Subscriber('/camera/rgb/image_raw', Image, slow, queue_size=1)\n"
+        "try:\n    rospy.spin()\nexcept rospy.ROSInterruptException:\n    pass\n"
+    )
+    recording = run_node(node, bag=bag)
+    seen = [(m.data.to_nsec() - START_NS) // FRAME_NS for _, m in recording["/t"]]
+    assert seen == [0, 4, 9, 13, 18, 19]
+    assert recording.outcome["dropped"] == 14
+
+
+def test_wall_clock_rate_takes_its_time_and_a_slow_node_misses_pictures(
+    bag: Path, tmp_path: Path
+) -> None:
+    node = tmp_path / "slow.py"
+    node.write_text(
+        "import rospy, threading\nfrom sensor_msgs.msg import Image\n"
+        "from std_msgs.msg import Empty\n"
+        "def slow(m):\n    threading.Event().wait(0.2)\n    pub.publish()\n"
+        "rospy.init_node('slow')\npub = rospy.Publisher('/t', Empty, queue_size=1)\n"
+        "rospy.Subscriber('/camera/rgb/image_raw', Image, slow, queue_size=1)\nrospy.spin()\n"
+    )
+    recording = run_node(node, bag=bag, rate=20)
+    assert 1.0 < recording.outcome["seconds"] < 6.0
+    assert 3 <= len(recording["/t"]) <= 9
+    assert len(recording["/t"]) + recording.outcome["dropped"] == 20
+
+
+def test_bad_bags_are_told(tmp_path: Path, bag: Path) -> None:
+    with pytest.raises(BagError, match=r"no bag 'nowhere\.bag'"):
+        run_node(NODES / "talker.py", bag="nowhere.bag")
+    broken = tmp_path / "broken.bag"
+    broken.write_bytes(b"#ROSBAG V2.0\n" + bytes(50))
+    with pytest.raises(BagError, match=r"broken\.bag cannot be read as a ROS bag"):
+        run_node(NODES / "talker.py", bag=broken)
+    with pytest.raises(BagError, match=r"no topic /x; it has .*/camera/rgb/image_raw"):
+        run_node(NODES / "talker.py", bag=bag, topics=["/x"])
+    with pytest.raises(FileNotFoundError, match="no node file"):
+        run_node(tmp_path / "none.py", bag=bag)
+
+
+def test_rgb_camera_publishes_rgb(tmp_path: Path) -> None:
+    path = write_bag(tmp_path / "rgb.bag", [frame(3)] * 2, fmt="rgb8; jpeg compressed bgr8")
+    node = tmp_path / "echo.py"
+    node.write_text(
+        "import rospy\nfrom sensor_msgs.msg import Image\n"
+        "rospy.init_node('e')\np = rospy.Publisher('/echo', Image, queue_size=1)\n"
+        "rospy.Subscriber('/camera/rgb/image_raw', Image, p.publish)\nrospy.spin()\n"
+    )
+    message = run_node(node, bag=path)["/echo"][0][1]
+    assert message.encoding == "rgb8"
+    np.testing.assert_array_equal(CvBridge().imgmsg_to_cv2(message, "bgr8"), frame(3))
+
+
+def command(*arguments: object, **options: object) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "course_lib.offline_ros", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+        **options,
+    )
+
+
+def test_command_records_what_can_be_read_back(bag: Path, tmp_path: Path) -> None:
+    done = command(
+        NODES / "subscriber.py", "turned:=/a", "--bag", bag, "--record", tmp_path, "--max-frames=5"
+    )
+    assert done.returncode == 0
+    assert "[INFO]" in done.stdout
+    assert "5 pictures" in done.stderr
+    assert "/a 5" in done.stderr
+    recording = Recording(tmp_path / "subscriber.bag")
+    assert len(recording["/a"]) == 5
+    assert len(Recording(recording.save(tmp_path / "copy.bag"))["/a"]) == 5
+    with pytest.raises(KeyError, match=r"did not publish /b; it published /a, "):
+        recording["/b"]
+
+
+def test_command_tells_wrong_usage(bag: Path) -> None:
+    assert command("none.py").returncode == 2
+    assert (
+        "neither a positive number nor max"
+        in command(NODES / "talker.py", "--bag", bag, "--rate=-1").stderr
+    )
+    assert "overwrite" in command(NODES / "talker.py", "--bag", bag, "--record", bag).stderr
+    assert "_param:=value" in command("--help").stdout
+    crashed = command(NODES / "crash.py", "--bag", bag)
+    assert crashed.returncode == 1
+    assert "third picture is too much" in crashed.stderr
+
+
+def test_interrupt_runs_the_hooks_and_leaves_nothing_behind(bag: Path, tmp_path: Path) -> None:
+    node = tmp_path / "node.py"
+    node.write_text(
+        "import rospy, subprocess\nrospy.init_node('n')\n"
+        "rospy.on_shutdown(lambda: print('hook', flush=True))\n"
+        "print('ready', flush=True)\nrospy.spin()\n"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-m", "course_lib.offline_ros", node, "--bag", bag, "--rate=1"],
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "ready\n"
+        process.send_signal(2)
+        assert process.stdout.readline() == "hook\n"
+        assert process.wait(10) in {0, 130}
+    finally:
+        process.kill()
+        process.wait()
+
+
+def test_interrupting_run_node_ends_the_node_and_its_children(bag: Path, tmp_path: Path) -> None:
+    pids = tmp_path / "pids"
+    node = tmp_path / "node.py"
+    node.write_text(
+        "import os, rospy, subprocess\nchild = subprocess.Popen(['sleep', '300'])\n"
+        f"open({str(pids)!r}, 'w').write(f'{{os.getpid()}} {{child.pid}} .')\n"
+        "rospy.init_node('n')\nrospy.spin()\n"
+    )
+    script = tmp_path / "notebook.py"
+    script.write_text(
+        "from course_lib.offline_ros import run_node\n"
+        f"run_node({str(node)!r}, bag={str(bag)!r}, rate=0.1)\n"
+    )
+    notebook = subprocess.Popen([sys.executable, script], stderr=subprocess.DEVNULL)
+    try:
+        _until(lambda: pids.exists() and pids.read_text().endswith("."))
+        running = [int(pid) for pid in pids.read_text().split()[:2]]
+        notebook.send_signal(2)
+        notebook.wait(20)
+        _until(lambda: not any(_runs(pid) for pid in running))
+    finally:
+        notebook.kill()
+        notebook.wait()
+
+
+def _runs(pid: int) -> bool:
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+def _until(condition, seconds: float = 20.0) -> None:
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "it did not happen in time"
+        threading.Event().wait(0.05)
