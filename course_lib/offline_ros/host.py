@@ -119,7 +119,7 @@ class Host:
         install()
         set_runtime(self.runtime)
         self._windows.install()
-        time.sleep = self._simulated_sleep(time.sleep)  # type: ignore[assignment]
+        time.sleep = self._simulated_sleep(time.sleep)
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, self._interrupt)
         threading.Thread(target=self._watch, daemon=True).start()
