@@ -1,4 +1,4 @@
-"""Estimate a homography from matches, and decide whether to believe it."""
+"""Estimate a homography from matches, and apply it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ METHODS = {
     )
 }
 
-Points = NDArray[np.float32]
+Points = NDArray[np.floating]
 Matrix = NDArray[np.float64]
 
 
@@ -46,16 +46,16 @@ def estimate(
     *,
     method: int,
     threshold: float,
-    max_iterations: int,
-    confidence: float,
-    seed: int,
-) -> tuple[Matrix, NDArray[np.bool_]] | None:
+    max_iterations: int = 2000,
+    confidence: float = 0.999,
+    seed: int = 0,
+) -> Matrix | None:
     """
     Fit H_scene_from_template to point pairs, best pair first, with outliers among them.
 
     Parameters
     ----------
-    template_points, scene_points : ndarray of float32, shape (N, 2)
+    template_points, scene_points : ndarray, shape (N, 2)
         Corresponding (x, y), the most trusted first (USAC_PROSAC draws from the front).
     method : int
         One of ``METHODS``.
@@ -71,17 +71,18 @@ def estimate(
 
     Returns
     -------
-    (H, inliers) or None
-        H float64 (3, 3) with H[2, 2] = 1, inliers bool (N,). None when no H was found.
+    ndarray of float64, shape (3, 3), with H[2, 2] = 1; or None
+        None when no homography was found.
     """
-    count = len(template_points)
-    order = np.arange(count)
+    if len(template_points) < 4:
+        return None
+    order = np.arange(len(template_points))
     if seed and method != cv2.USAC_PROSAC:
-        order = np.random.default_rng(seed).permutation(count)
+        order = np.random.default_rng(seed).permutation(len(order))
     try:
         found, _ = cv2.findHomography(
-            template_points[order],
-            scene_points[order],
+            template_points[order].astype(np.float32),
+            scene_points[order].astype(np.float32),
             method,
             threshold,
             maxIters=max_iterations,
@@ -93,10 +94,7 @@ def estimate(
     H = None if found is None else np.asarray(found, np.float64)
     if H is None or H.shape != (3, 3) or not np.isfinite(H).all() or abs(H[2, 2]) < 1e-12:
         return None
-    # The mask that comes back is of the best sample; the refined H is judged on its own.
-    H = H / H[2, 2]
-    inliers = reprojection_errors(H, template_points, scene_points) <= threshold
-    return H, inliers
+    return np.asarray(H / H[2, 2], np.float64)
 
 
 def project(H: Matrix, points: NDArray[np.floating]) -> Matrix:
@@ -124,7 +122,30 @@ def reprojection_errors(H: Matrix, source: Points, target: Points) -> NDArray[np
     return np.asarray(np.nan_to_num(errors, nan=np.inf), np.float64)
 
 
-def template_corners(size: tuple[int, int]) -> Points:
+def jacobians(H: Matrix, points: Points) -> Matrix:
+    """
+    Return what a homography does to a small patch around each point.
+
+    Parameters
+    ----------
+    H : ndarray, shape (3, 3)
+    points : ndarray, shape (N, 2)
+
+    Returns
+    -------
+    ndarray of float64, shape (N, 2, 2)
+        Derivatives of the mapped (x, y) by the original (x, y).
+    """
+    depths = points @ H[2, :2] + H[2, 2]
+    mapped = project(H, points)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(
+            (H[None, :2, :2] - mapped[:, :, None] * H[None, None, 2, :2]) / depths[:, None, None],
+            np.float64,
+        )
+
+
+def template_corners(size: tuple[int, int]) -> NDArray[np.float32]:
     """Return the centres of a picture's corner pixels: TL, BL, BR, TR; float32 (4, 2)."""
     right, bottom = size[0] - 1, size[1] - 1
     return np.array([[0, 0], [0, bottom], [right, bottom], [right, 0]], np.float32)

@@ -5,17 +5,22 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+import cv2
 import numpy as np
 
 from course_lib import homography
 from course_lib._validate import Image, as_count, as_grey
 from course_lib.detectors import Detector, Features, create_detector, detect
-from course_lib.evidence import false_alarms
+from course_lib.evidence import BELIEVED, log10_false_alarms
 from course_lib.matching import match_brute_force
 from course_lib.outline import outline_fault
+from course_lib.pairs import Pairs
+from course_lib.refine import keypoint_noise, point_sigma, refine
+from course_lib.voting import groups
 
 if TYPE_CHECKING:
-    import cv2
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
 
 # Larger pictures are searched in a reduced copy: about 4000 x 3000.
@@ -23,6 +28,9 @@ MAX_PIXELS = 12_000_000
 
 # Four pairs fit some homography exactly, so fewer than this proves nothing.
 MIN_MATCHES = 4
+
+# Corners less certain than this part of the outline's size are no answer.
+MAX_RELATIVE_SIGMA = 0.2
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +57,9 @@ class Detection:
     log10_false_alarms : float
         Base-10 logarithm of the expected number of such agreements by chance alone (see
         :mod:`course_lib.evidence`); infinite when no homography was judged.
+    corner_sigma : float
+        Standard deviation of the least certain corner in pixels, as the inliers' spread and noise
+        tell; infinite when not found.
     """
 
     found: bool
@@ -60,6 +71,7 @@ class Detection:
     template_keypoints: tuple[cv2.KeyPoint, ...] = ()
     scene_keypoints: tuple[cv2.KeyPoint, ...] = ()
     log10_false_alarms: float = np.inf
+    corner_sigma: float = np.inf
 
     def __bool__(self) -> bool:
         return self.found
@@ -140,10 +152,10 @@ class TemplateLocator:
         norm: int | None = None,
         cross_check: bool = True,
         ratio: float | None = None,
-        method: str | int = "RANSAC",
+        method: str | int = "USAC_MAGSAC",
         ransac_threshold: float = 5.0,
         max_iterations: int = 2000,
-        confidence: float = 0.995,
+        confidence: float = 0.999,
         min_inliers: int = 7,
         seed: int = 0,
         max_pixels: int = MAX_PIXELS,
@@ -211,54 +223,115 @@ class TemplateLocator:
         return self._judge(scene, tuple(matches))
 
     def _judge(self, scene: Features, matches: tuple[cv2.DMatch, ...]) -> Detection:
-        query = np.array([match.queryIdx for match in matches])
-        train = np.array([match.trainIdx for match in matches])
-        fit = homography.estimate(
-            self.template.points[query],
-            scene.points[train],
+        pairs = Pairs.of(matches, self.template, scene)
+        best: tuple[int, homography.Matrix, NDArray[np.bool_], str] | None = None
+        for members in self._candidates(pairs):
+            fit = self._fit(pairs, members)
+            if fit is None:
+                continue
+            H, inliers = fit
+            fault = outline_fault(H, self.template.size, scene.size) or ""
+            # A possible outline is better than any impossible one.
+            score = int(np.count_nonzero(inliers)) - (len(matches) + 1 if fault else 0)
+            if best is None or score > best[0]:
+                best = (score, H, inliers, fault)
+        if best is None:
+            return self._nothing("RANSAC failed: no homography fits the matches", scene, matches)
+        _, H, inliers, fault = best
+        count = int(np.count_nonzero(inliers))
+        if count < self.min_inliers:
+            fault = (
+                f"too few inliers: {count} of {len(matches)} matches, "
+                f"at least {self.min_inliers} are needed"
+            )
+        if fault:
+            return self._nothing(fault, scene, matches, inliers)
+        alarms = log10_false_alarms(
+            H, pairs, inliers, scene.points, scene.size, self.ransac_threshold
+        )
+        if alarms > BELIEVED:
+            reason = f"too few inliers: chance can make {count} of {len(matches)} matches agree"
+            return self._nothing(reason, scene, matches, inliers, alarms)
+        return self._polished(pairs, H, inliers, scene, matches, alarms)
+
+    def _candidates(self, pairs: Pairs) -> Iterator[NDArray[np.intp]]:
+        """Yield the sets of matches that RANSAC is tried upon."""
+        if pairs.oriented:
+            yield from groups(pairs, self.ransac_threshold)
+        else:
+            yield np.arange(len(pairs))
+
+    def _fit(
+        self, pairs: Pairs, members: NDArray[np.intp]
+    ) -> tuple[homography.Matrix, NDArray[np.bool_]] | None:
+        source, target = pairs.template_points, pairs.scene_points
+        H = homography.estimate(
+            source[members],
+            target[members],
             method=self.method,
             threshold=self.ransac_threshold,
             max_iterations=self.max_iterations,
             confidence=self.confidence,
             seed=self.seed,
         )
-        if fit is None:
-            return self._nothing("RANSAC failed: no homography fits the matches", scene, matches)
-        H, inliers = fit
-        count = int(np.count_nonzero(inliers))
-        if count < self.min_inliers:
-            return self._nothing(
-                f"too few inliers: {count} of {len(matches)} matches, "
-                f"at least {self.min_inliers} are needed",
-                scene,
-                matches,
-                inliers,
-            )
+        if H is None:
+            return None
+        inliers = self._inliers(H, pairs)
+        # The group was an approximation: inliers outside it widen the support.
+        for _ in range(2):
+            wider = homography.estimate(source[inliers], target[inliers], method=0, threshold=0)
+            if wider is None:
+                break
+            grown = self._inliers(wider, pairs)
+            if np.count_nonzero(grown) < np.count_nonzero(inliers):
+                break
+            H, inliers = wider, grown
+        return H, inliers
+
+    def _inliers(self, H: homography.Matrix, pairs: Pairs) -> NDArray[np.bool_]:
+        errors = homography.reprojection_errors(H, pairs.template_points, pairs.scene_points)
+        return errors <= self.ransac_threshold
+
+    def _polished(
+        self,
+        pairs: Pairs,
+        H: homography.Matrix,
+        inliers: NDArray[np.bool_],
+        scene: Features,
+        matches: tuple[cv2.DMatch, ...],
+        alarms: float,
+    ) -> Detection:
+        source, target = pairs.template_points[inliers], pairs.scene_points[inliers]
+        noise = keypoint_noise(H, source, pairs.noise[inliers])
+        polished = refine(H, source, target, noise)
+        if polished is None:
+            reason = "degenerate inliers: they do not fix a homography"
+            return self._nothing(reason, scene, matches, inliers, alarms)
+        H, covariance = polished
+        inliers = self._inliers(H, pairs)
         fault = outline_fault(H, self.template.size, scene.size)
         if fault:
-            return self._nothing(fault, scene, matches, inliers)
-        alarms = false_alarms(
-            H, inliers, self.template, scene, query, train, threshold=self.ransac_threshold
-        )
-        if alarms >= 0:
-            return self._nothing(
-                f"too few inliers: {count} of {len(matches)} matches can agree by chance",
-                scene,
-                matches,
-                inliers,
-                alarms,
+            return self._nothing(fault, scene, matches, inliers, alarms)
+        template_corners = homography.template_corners(self.template.size).astype(np.float64)
+        corners = homography.project(H, template_corners).astype(np.float32)
+        sigma = float(point_sigma(H, covariance, template_corners).max())
+        if sigma > MAX_RELATIVE_SIGMA * np.sqrt(cv2.contourArea(corners)):
+            reason = (
+                "degenerate inliers: they cover too little of the template to fix its corners "
+                f"(uncertain by {sigma:.0f} pixels)"
             )
-        corners = homography.project(H, homography.template_corners(self.template.size))
+            return self._nothing(reason, scene, matches, inliers, alarms)
         return Detection(
             found=True,
             reason="",
-            corners=corners.astype(np.float32),
+            corners=corners,
             homography=H,
             matches=matches,
             inliers=inliers,
             template_keypoints=self.template.keypoints,
             scene_keypoints=scene.keypoints,
             log10_false_alarms=alarms,
+            corner_sigma=sigma,
         )
 
     def _nothing(
@@ -290,10 +363,10 @@ def locate_template(
     norm: int | None = None,
     cross_check: bool = True,
     ratio: float | None = None,
-    method: str | int = "RANSAC",
+    method: str | int = "USAC_MAGSAC",
     ransac_threshold: float = 5.0,
     max_iterations: int = 2000,
-    confidence: float = 0.995,
+    confidence: float = 0.999,
     min_inliers: int = 7,
     seed: int = 0,
     max_pixels: int = MAX_PIXELS,
