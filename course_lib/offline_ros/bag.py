@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import cv2
 import numpy as np
-from rosbags.highlevel import AnyReader, AnyReaderError
+from rosbags.highlevel import AnyReader
+from rosbags.typesys import Stores, get_typestore
 
 from course_lib.offline_ros.errors import BagError
 from course_lib.offline_ros.messages import STORE, from_native, message_class
@@ -116,9 +117,13 @@ class BagSource:
             raise ValueError(msg)
         self.path = find_bag(bag)
         try:
-            self._reader = AnyReader([self.path], default_typestore=STORE)
+            self._reader = AnyReader(
+                # Old ROS 2 recordings do not carry their message definitions.
+                [self.path],
+                default_typestore=get_typestore(Stores.ROS2_HUMBLE),
+            )
             self._reader.open()
-        except (AnyReaderError, OSError, ValueError, AssertionError) as error:
+        except Exception as error:  # rosbags lets struct, sqlite and assertion errors through
             msg = f"{self.path.name} cannot be read as a ROS bag: {error}"
             raise BagError(msg) from error
         offered = [

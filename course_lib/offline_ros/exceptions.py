@@ -21,3 +21,23 @@ class ROSInternalException(ROSException):
 
 class ROSInterruptException(ROSException, KeyboardInterrupt):
     """The node was shut down while it slept or waited."""
+
+
+class ROSTimeMovedBackwardsException(ROSInterruptException):
+    """The clock was set back; never raised here."""
+
+
+class ServiceException(Exception):  # noqa: N818  (rospy's name)
+    """A service failed; never raised here, where services are refused."""
+
+
+class TransportException(Exception):  # noqa: N818  (rospy's name)
+    """A connection failed; never raised here, where there are none."""
+
+
+class TransportInitError(TransportException):
+    """A connection could not be made; never raised here."""
+
+
+class TransportTerminated(TransportException):
+    """A connection broke; never raised here."""

@@ -103,7 +103,9 @@ def _text(value: object, indent: str) -> str:
     if isinstance(value, bytes):
         shown = ", ".join(map(str, value[:32]))
         return f"[{shown}{', ...' if len(value) > 32 else ''}]"
-    return f'"{value}"' if isinstance(value, str) else str(value)
+    if isinstance(value, str):
+        return f'"{value}"' if value else "''"
+    return str(value)
 
 
 def _default(desc: Any) -> Any:  # noqa: ANN401  (rosbags' descriptors are nested tuples)

@@ -142,16 +142,14 @@ class Duration(_Seconds):
     def __floordiv__(self, other: object) -> Any:  # noqa: ANN401  (int or Duration)
         if isinstance(other, Duration):
             return self.to_nsec() // other.to_nsec()
-        if isinstance(other, int):
-            return Duration.from_nsec(self.to_nsec() // other)
-        if isinstance(other, float):
+        if isinstance(other, (int, float)):
             return Duration.from_sec(self.to_sec() // other)
         return NotImplemented
 
     def __mod__(self, other: object) -> Duration:
         if isinstance(other, Duration):
             return Duration.from_nsec(self.to_nsec() % other.to_nsec())
-        if isinstance(other, (int, float)):
+        if isinstance(other, float):
             return Duration.from_sec(self.to_sec() % other)
         return NotImplemented
 

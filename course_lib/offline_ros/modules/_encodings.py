@@ -38,9 +38,9 @@ _NAMED = {
     "bayer_bggr8": ("BayerRG", 1, "8U"),
     "bayer_gbrg8": ("BayerGR", 1, "8U"),
     "bayer_grbg8": ("BayerGB", 1, "8U"),
-    "yuv422": ("YUV_UYVY", 2, "8U"),
+    "yuv422": ("YUV", 2, "8U"),
 }
-_GENERIC = re.compile(r"^(8U|8S|16U|16S|32S|32F|64F)C?(\d+)?$")
+_GENERIC = re.compile(r"^(8U|8S|16U|16S|32S|32F|64F)C(\d+)$")
 
 
 def parse(encoding: str) -> tuple[str | None, int, str]:
@@ -68,7 +68,7 @@ def parse(encoding: str) -> tuple[str | None, int, str]:
     if encoding in _NAMED:
         return _NAMED[encoding]
     if match := _GENERIC.match(encoding):
-        return None, int(match[2] or 1), match[1]
+        return None, int(match[2]), match[1]
     msg = (
         f"{encoding!r} is not an image encoding; use one of {', '.join(_NAMED)}, a matrix type "
         "such as 8UC3 or 32FC1, or passthrough"
@@ -117,42 +117,39 @@ def convert(image: NDArray[Any], source: str, target: str) -> NDArray[Any]:
     CvBridgeError
         When there is no such conversion.
     """
+    if not image.size:
+        msg = "the picture has no pixels"
+        raise CvBridgeError(msg)
     if source == target:
         return image.copy()
     family, channels, depth = parse(source)
     wanted, wanted_channels, wanted_depth = parse(target)
-    if family is None or wanted is None:
-        if channels != wanted_channels:
-            advice = (
-                f"{target} is a colour format and {source} is not"
-                if family is None
-                else f"{target} is not a colour format"
-            )
-            msg = f"cannot convert {source} to {target}: {advice}, and their channels differ"
-            raise CvBridgeError(msg)
-        if family is None and wanted is not None and depth != wanted_depth:
-            msg = f"cannot convert {source} to {target}: say first what its values mean"
-            raise CvBridgeError(msg)
-        return _change_depth(image, depth, wanted_depth, scale=False).copy()
-    if family != wanted:
-        code = getattr(cv2, f"COLOR_{family}2{wanted}", None)
-        if code is None and family.startswith("Bayer"):
-            code = getattr(cv2, f"COLOR_{family}2BGR", None)
-            image = cv2.cvtColor(image, code) if code is not None else image
-            code = getattr(cv2, f"COLOR_BGR2{wanted}", None)
-        if code is None:
-            msg = f"cannot convert {source} to {target}: OpenCV has no {family} to {wanted}"
+    if family is None and wanted is not None:
+        msg = f"{source} does not say what its values mean, so it cannot be converted to {target}"
+        raise CvBridgeError(msg)
+    if wanted is None and channels != wanted_channels:
+        msg = f"cannot convert {source} to {target}: it has {channels} channels"
+        raise CvBridgeError(msg)
+    if wanted not in {family, None}:
+        name = f"YUV2{wanted}_UYVY" if family == "YUV" else f"{family}2{wanted}"
+        code = getattr(cv2, f"COLOR_{name}", None)
+        # cv_bridge makes no Bayer or YUV out of colours, and no transparency out of Bayer.
+        possible = {"GRAY", "BGR", "RGB"}
+        if not (family or "").startswith("Bayer"):
+            possible |= {"BGRA", "RGBA"}
+        if code is None or wanted not in possible:
+            msg = f"cannot convert {source} to {target}"
             raise CvBridgeError(msg)
         image = np.asarray(cv2.cvtColor(image, code))
-    return _change_depth(image, depth, wanted_depth, scale=True).copy()
+    return _change_depth(image, depth, wanted_depth).copy()
 
 
-def _change_depth(image: NDArray[Any], depth: str, wanted: str, *, scale: bool) -> NDArray[Any]:
+def _change_depth(image: NDArray[Any], depth: str, wanted: str) -> NDArray[Any]:
     if depth == wanted:
         return image
-    # Colours keep their brightness: full scale stays full scale.
-    factor = {("8U", "16U"): 65535 / 255, ("16U", "8U"): 255 / 65535}.get((depth, wanted), 1.0)
-    values = image.astype(np.float64) * (factor if scale else 1.0)
+    # Full scale stays full scale: white in 8 bit is white in 16 bit.
+    factor = {("8", "16"): 65535 / 255, ("16", "8"): 255 / 65535}
+    values = image.astype(np.float64) * factor.get((depth[:-1], wanted[:-1]), 1.0)
     dtype = dtype_of(wanted)
     if dtype.kind in "iu":
         limits = np.iinfo(dtype)

@@ -73,4 +73,3 @@ def _make(family: str, level: str) -> dict[str, Callable[..., None]]:
 FUNCTIONS: dict[str, Any] = {}
 for _family, _level in _FAMILIES.items():
     FUNCTIONS |= _make(_family, _level)
-FUNCTIONS["logerror"] = FUNCTIONS["logerr"]

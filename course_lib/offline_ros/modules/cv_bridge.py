@@ -16,15 +16,7 @@ if TYPE_CHECKING:
 
 __all__ = ["CvBridge", "CvBridgeError"]
 
-_FORMATS = {
-    "bmp": ".bmp",
-    "jpeg": ".jpg",
-    "jpg": ".jpg",
-    "png": ".png",
-    "tif": ".tiff",
-    "tiff": ".tiff",
-    "webp": ".webp",
-}
+_FORMATS = ("bmp", "dib", "jpe", "jpeg", "jpg", "pgm", "png", "ppm", "tif", "tiff", "webp")
 
 
 class CvBridge:
@@ -183,7 +175,7 @@ class CvBridge:
         cvim : ndarray (H, W) or (H, W, C)
             The picture.
         dst_format : str, optional
-            jpg, png, bmp, tiff or webp.
+            jpg, png, bmp, tiff, webp or another of OpenCV's.
 
         Returns
         -------
@@ -202,7 +194,7 @@ class CvBridge:
             msg = f"unknown format {dst_format!r}; use one of {', '.join(_FORMATS)}"
             raise CvBridgeError(msg)
         try:
-            written, data = cv2.imencode(_FORMATS[dst_format], cvim)
+            written, data = cv2.imencode(f".{dst_format}", cvim)
         except cv2.error as error:
             msg = f"OpenCV cannot write this {matrix_type(cvim)} image as {dst_format}: {error}"
             raise CvBridgeError(msg) from error

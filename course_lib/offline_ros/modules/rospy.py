@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import NoReturn
 
 from course_lib.offline_ros import exceptions
@@ -12,6 +13,11 @@ from course_lib.offline_ros.exceptions import (
     ROSInternalException,
     ROSInterruptException,
     ROSSerializationException,
+    ROSTimeMovedBackwardsException,
+    ServiceException,
+    TransportException,
+    TransportInitError,
+    TransportTerminated,
 )
 from course_lib.offline_ros.messages import Message, message_class
 from course_lib.offline_ros.modules import _rospy_log
@@ -57,7 +63,6 @@ from course_lib.offline_ros.modules._rospy_time import (
 from course_lib.offline_ros.times import Duration, Time
 
 Header = message_class("std_msgs/Header")
-Log = message_class("rosgraph_msgs/Log")
 
 __all__ = [
     "DEBUG",
@@ -67,7 +72,6 @@ __all__ = [
     "WARN",
     "Duration",
     "Header",
-    "Log",
     "Message",
     "Publisher",
     "ROSException",
@@ -75,10 +79,15 @@ __all__ = [
     "ROSInternalException",
     "ROSInterruptException",
     "ROSSerializationException",
+    "ROSTimeMovedBackwardsException",
     "Rate",
+    "ServiceException",
     "Subscriber",
     "Time",
     "Timer",
+    "TransportException",
+    "TransportInitError",
+    "TransportTerminated",
     "delete_param",
     "exceptions",
     "get_caller_id",
@@ -98,6 +107,7 @@ __all__ = [
     "on_shutdown",
     "remap_name",
     "resolve_name",
+    "rostime",
     "search_param",
     "set_param",
     "signal_shutdown",
@@ -106,23 +116,34 @@ __all__ = [
     "wait_for_message",
 ]
 
+# The same names once more, under the module that older nodes use.
+rostime = SimpleNamespace(
+    Duration=Duration, Rate=Rate, Time=Time, get_rostime=get_rostime, get_time=get_time
+)
+
 globals().update(_rospy_log.FUNCTIONS)
 
 _SERVICES = "a recording answers no service; use topics, or run the node on ROS"
+_INNER = "use what rospy itself offers"
 _UNSUPPORTED = {
     "AnyMsg": "subscribe with the topic's own message class",
     "MasterProxy": "there is no ROS master here",
     "Service": _SERVICES,
-    "ServiceException": _SERVICES,
     "ServiceProxy": _SERVICES,
     "SubscribeListener": "publish without waiting for listeners",
     "get_master": "there is no ROS master here",
     "get_ros_root": "there is no ROS installation here",
+    "client": _INNER,
+    "core": _INNER,
+    "impl": _INNER,
+    "logout": "use rospy.loginfo",
     "msg": "import message classes from std_msgs.msg and the like",
+    "msproxy": _INNER,
     "names": "use rospy.resolve_name",
     "numpy_msg": "turn the fields into arrays with numpy.asarray",
     "parse_rosrpc_uri": _SERVICES,
-    "rostime": "use rospy.Time, rospy.Rate and rospy.sleep",
+    "service": _SERVICES,
+    "timer": "use rospy.Timer",
     "topics": "use rospy.Publisher and rospy.Subscriber",
     "wait_for_service": _SERVICES,
 }
