@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 import cv2
 import numpy as np
@@ -16,9 +16,23 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-Detector: TypeAlias = str | cv2.Feature2D
+
+class SupportsDetectAndCompute(Protocol):
+    """What a detector of your own must offer: OpenCV's method."""
+
+    def detectAndCompute(  # noqa: N802 (OpenCV's name)
+        self, image: Image, mask: None, /
+    ) -> tuple[Sequence[cv2.KeyPoint], NDArray[Any] | None]:
+        """Return keypoints and descriptors (N, D), uint8 or float32, of a grey picture."""
+        ...
+
+
+Detector: TypeAlias = str | cv2.Feature2D | SupportsDetectAndCompute
 
 DETECTORS = ("ORB", "SIFT", "AKAZE")
+
+# OpenCV's detectors fail an assertion when the smallest of their pyramid's levels is empty.
+MIN_SIDE = 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,20 +58,20 @@ class Features:
     size: tuple[int, int]
 
 
-def create_detector(detector: Detector = "ORB", n_features: int = 1000) -> cv2.Feature2D:
+def create_detector(detector: Detector = "ORB", n_features: int = 1000) -> Any:  # noqa: ANN401 (any class that has OpenCV's method)
     """
     Make a detector from its name.
 
     Parameters
     ----------
-    detector : {"ORB", "SIFT", "AKAZE"} or cv2.Feature2D
+    detector : {"ORB", "SIFT", "AKAZE"}, cv2.Feature2D, or object with ``detectAndCompute``
         An object is returned as it is, with its own settings.
     n_features : int
         How many keypoints to keep, the strongest first.
 
     Returns
     -------
-    cv2.Feature2D
+    cv2.Feature2D, or the object itself
 
     Raises
     ------
@@ -70,12 +84,12 @@ def create_detector(detector: Detector = "ORB", n_features: int = 1000) -> cv2.F
     AKAZE: P. F. Alcantarilla, J. Nuevo, A. Bartoli, BMVC 2013.
     """
     n_features = as_count(n_features, "n_features", 4)
-    if isinstance(detector, cv2.Feature2D):
-        return detector
     if not isinstance(detector, str):
+        if callable(getattr(detector, "detectAndCompute", None)):
+            return detector
         raise TypeError(
-            f"detector must be one of {', '.join(DETECTORS)} or a cv2.Feature2D object, "
-            f"got {type(detector).__name__}"
+            f"detector must be one of {', '.join(DETECTORS)} or an object with detectAndCompute, "
+            f"got {detector!r}"
         )
     name = detector.upper()
     if name == "ORB":
@@ -85,12 +99,11 @@ def create_detector(detector: Detector = "ORB", n_features: int = 1000) -> cv2.F
     if name == "AKAZE":
         # OpenCV 5 moved AKAZE to the contributed modules; 4.x has it in cv2 itself.
         home: Any = cv2 if hasattr(cv2, "AKAZE_create") else cv2.xfeatures2d
-        akaze: cv2.Feature2D = home.AKAZE_create(max_points=n_features)
-        return akaze
+        return home.AKAZE_create(max_points=n_features)
     raise ValueError(f"unknown detector {detector!r}; choose from {', '.join(DETECTORS)}")
 
 
-def detect(detector: cv2.Feature2D, grey: Image, max_pixels: int) -> Features:
+def detect(detector: SupportsDetectAndCompute, grey: Image, max_pixels: int) -> Features:
     """
     Find and describe keypoints, on a reduced copy when the picture is larger than ``max_pixels``.
 
@@ -99,7 +112,7 @@ def detect(detector: cv2.Feature2D, grey: Image, max_pixels: int) -> Features:
 
     Parameters
     ----------
-    detector : cv2.Feature2D
+    detector : cv2.Feature2D or object with ``detectAndCompute``
     grey : ndarray of uint8, shape (H, W)
     max_pixels : int
 
@@ -113,6 +126,8 @@ def detect(detector: cv2.Feature2D, grey: Image, max_pixels: int) -> Features:
         reduction = math.sqrt(max_pixels / grey.size)
         size = (max(1, int(width * reduction)), max(1, int(height * reduction)))
         seen = cv2.resize(grey, size, interpolation=cv2.INTER_AREA).astype(np.uint8, copy=False)
+    if min(seen.shape) < MIN_SIDE:
+        return Features((), np.empty((0, 2), np.float32), None, (width, height))
     keypoints, descriptors = detector.detectAndCompute(seen, None)
     if seen is not grey:
         _enlarge(keypoints, width / seen.shape[1], height / seen.shape[0])

@@ -97,7 +97,7 @@ class TemplateLocator:
         :func:`course_lib._validate.as_image` accepts.
     match_count : int or None
         Use only this many of the best matches; None uses all.
-    detector : {"ORB", "SIFT", "AKAZE"} or cv2.Feature2D
+    detector : {"ORB", "SIFT", "AKAZE"}, cv2.Feature2D, or object with ``detectAndCompute``
     n_features : int
         Keypoints to keep in each picture (not for a detector given as an object).
     norm : int or None
@@ -177,7 +177,9 @@ class TemplateLocator:
         self.seed = as_count(seed, "seed", 0)
         self.max_pixels = as_count(max_pixels, "max_pixels", 1)
         self.detector = create_detector(detector, n_features)
-        self.norm = self.detector.defaultNorm() if norm is None else norm
+        # Without either, the descriptors' dtype decides.
+        default_norm = getattr(self.detector, "defaultNorm", lambda: None)
+        self.norm = default_norm() if norm is None else norm
         self.template = detect(self.detector, as_grey(template, "template"), self.max_pixels)
 
     def locate(self, frame: Image) -> Detection:

@@ -8,6 +8,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from course_lib import hamming
+
 Descriptors = NDArray[Any]
 
 # cv2.BFMatcher packs the train index into 18 bits.
@@ -93,6 +95,10 @@ def _nearest(
     query: Descriptors, train: Descriptors, norm: int, *, cross_check: bool, ratio: float | None
 ) -> list[cv2.DMatch]:
     if ratio is None:
+        if cross_check and norm == cv2.NORM_HAMMING and hamming.available(query, train):
+            found = hamming.mutual_nearest(query, train)
+            rows = zip(*(column.tolist() for column in found), strict=True)
+            return [cv2.DMatch(q, t, distance) for q, t, distance in rows]
         return list(cv2.BFMatcher(norm, crossCheck=cross_check).match(query, train))
     # knnMatch refuses k=2 together with crossCheck, so the check is a second, backward pass.
     matcher = cv2.BFMatcher(norm)
