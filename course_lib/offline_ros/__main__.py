@@ -74,8 +74,10 @@ def _parser() -> argparse.ArgumentParser:
         metavar="SECONDS",
         help="stop a node that shows no sign of life for this long (default: %(default)g)",
     )
+    add("--keep", action="append", metavar="TOPIC", help="record only this topic (repeatable)")
     add("--quiet", action="store_true", help="no progress bar and no summary")
     add("--with-parent", action="store_true", help=argparse.SUPPRESS)
+    add("--progress", type=Path, help=argparse.SUPPRESS)
     return parser
 
 
@@ -121,7 +123,10 @@ def main(argv: list[str] | None = None) -> int:
         options.arguments,
         source,
         record=record,
-        limits=Limits(options.timeout, options.stall or None, options.with_parent),
+        keep=options.keep,
+        limits=Limits(
+            options.timeout, options.stall or None, options.with_parent, options.progress
+        ),
         rate=options.rate,
         duration=options.duration,
         keep_going=options.keep_going,

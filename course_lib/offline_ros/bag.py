@@ -13,13 +13,13 @@ import numpy as np
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
+from course_lib import images
 from course_lib.offline_ros.errors import BagError
 from course_lib.offline_ros.messages import STORE, from_native, message_class
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator
 
-IMAGES = Path(__file__).resolve().parents[2] / "images"
 _IMAGE = "sensor_msgs/Image"
 _COMPRESSED_IMAGE = "sensor_msgs/CompressedImage"
 
@@ -62,12 +62,14 @@ def find_bag(bag: str | Path) -> Path:
     BagError
         When there is none; the message lists the bags of the course.
     """
-    for path in (Path(bag), IMAGES / bag):
-        if path.exists():
-            return path.resolve()
-    known = ", ".join(sorted(path.name for path in IMAGES.glob("*.bag"))) or "none yet"
-    msg = f"no bag {str(bag)!r}: give a file, or a recording of the course ({known})"
-    raise BagError(msg)
+    path = Path(bag)
+    if path.exists():
+        return path.resolve()
+    try:
+        return images.path(path.as_posix())
+    except (images.MissingImageError, ValueError) as error:
+        msg = f"no bag {str(bag)!r} here, nor among the course's images. {error}"
+        raise BagError(msg) from error
 
 
 class BagSource:
@@ -153,7 +155,7 @@ class BagSource:
 
     def __iter__(self) -> Iterator[Arrival]:
         frames = 0
-        for connection, stamp_ns, raw in self._reader.messages(list(self._connections.values())):
+        for connection, stamp_ns, raw in self._raw():
             load = self._loader(connection.msgtype, raw)
             for topic, msgtype in _offered(connection.topic, connection.msgtype):
                 if topic not in self.topics:
@@ -167,10 +169,21 @@ class BagSource:
                 else:
                     yield Arrival(stamp_ns, topic, msgtype, _decompressor(load))
 
+    def _raw(self) -> Iterator[tuple[Any, int, bytes]]:
+        try:
+            yield from self._reader.messages(list(self._connections.values()))
+        except Exception as error:  # rosbags lets struct and assertion errors through
+            msg = f"{self.path.name} is damaged: {error}"
+            raise BagError(msg) from error
+
     def _loader(self, msgtype: str, raw: bytes) -> Callable[[], Any]:
         @lru_cache(maxsize=1)
         def load() -> Any:  # noqa: ANN401  (any message class)
-            return from_native(self._reader.deserialize(raw, msgtype), msgtype)
+            try:
+                return from_native(self._reader.deserialize(raw, msgtype), msgtype)
+            except Exception as error:
+                msg = f"{self.path.name} is damaged: {error}"
+                raise BagError(msg) from error
 
         return load
 

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from course_lib.offline_ros.console import Console
+from course_lib.offline_ros.errors import BagError
 from course_lib.offline_ros.exceptions import ROSInterruptException
 from course_lib.offline_ros.install import install
 from course_lib.offline_ros.messages import message_class
@@ -25,13 +26,13 @@ from course_lib.offline_ros.runtime import Runtime
 from course_lib.offline_ros.windows import Windows
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Collection
     from types import FrameType
 
     from course_lib.offline_ros.bag import BagSource
 
 _PACKAGE = str(Path(__file__).resolve().parent)
-_TO_RETURN = 5.0  # wall seconds a node gets to return once it was shut down
+_TO_RETURN = 3.0  # wall seconds a node gets to return once it was shut down
 
 ENDED, CRASHED, STOPPED, INTERRUPTED = "ended", "crashed", "stopped", "interrupted"
 STATUS = {ENDED: 0, CRASHED: 1, STOPPED: 3, INTERRUPTED: 130}
@@ -49,11 +50,14 @@ class Limits:
         Wall seconds without any sign of life: no message delivered, no waiting.
     with_parent : bool
         Stop when the process that started this one is gone.
+    progress : Path or None
+        A file that tells, while the node runs, how many pictures were played.
     """
 
     timeout: float | None = None
     stall: float | None = 60.0
     with_parent: bool = False
+    progress: Path | None = None
 
 
 class Host:
@@ -69,6 +73,8 @@ class Host:
         What is played to it.
     record : Path, optional
         The bag that keeps what it does.
+    keep : collection of str, optional
+        The published topics that it keeps. Default: all.
     limits : Limits
         When to stop it.
     rate, duration, keep_going : optional
@@ -82,6 +88,7 @@ class Host:
         source: BagSource,
         *,
         record: Path | None = None,
+        keep: Collection[str] | None = None,
         limits: Limits | None = None,
         rate: float | None = None,
         duration: float | None = None,
@@ -89,7 +96,7 @@ class Host:
     ) -> None:
         self._node = node.resolve()
         self._arguments = arguments
-        self._recorder = Recorder(record) if record else None
+        self._recorder = Recorder(record, keep) if record else None
         console = Console(self._recorder)
         self.runtime = Runtime(
             source,
@@ -105,6 +112,7 @@ class Host:
         self._limits = limits or Limits()
         self._started = time.monotonic()
         self._ending: float | None = None
+        self._interrupted = False
         self._finished = False
         self._closing = threading.Lock()
 
@@ -126,7 +134,9 @@ class Host:
         sys.argv = [str(self._node), *self._arguments]
         sys.path[0] = str(self._node.parent)
         outcome, text = self._run_file()
-        self.runtime.shutdown("the node has returned")
+        if self._interrupted:
+            outcome, text = INTERRUPTED, ""
+        self.runtime.shutdown(f"the node has {'crashed' if outcome == CRASHED else 'returned'}")
         self._finish(outcome, text)
         return STATUS[outcome]
 
@@ -150,18 +160,21 @@ class Host:
     def _run_file(self) -> tuple[str, str]:
         try:
             runpy.run_path(str(self._node), run_name="__main__")
-        except SystemExit as leaving:
-            if leaving.code is None or leaving.code == 0:
-                return ENDED, ""
-            return CRASHED, f"the node left with sys.exit({leaving.code!r})"
-        except KeyboardInterrupt as interrupt:
-            # A node that does not catch this after its shutdown has just ended.
-            if isinstance(interrupt, ROSInterruptException) and self.runtime.reason:
-                return ENDED, ""
-            return INTERRUPTED, ""
-        except BaseException as error:  # noqa: BLE001  (whatever a node raises is its crash)
-            return CRASHED, node_traceback(error)
+        except BaseException as error:  # noqa: BLE001  (whatever a node raises is its end)
+            return self._judge(error)
         return ENDED, ""
+
+    def _judge(self, error: BaseException) -> tuple[str, str]:
+        """Say what it means that a node ends with this exception."""
+        if isinstance(error, SystemExit):
+            if not error.code:
+                return ENDED, ""
+            return CRASHED, f"the node left with sys.exit({error.code!r})"
+        if isinstance(error, ROSInterruptException) and self.runtime.reason:
+            return ENDED, ""  # waiting when it was shut down, and it did not mind
+        if isinstance(error, BagError):
+            return STOPPED, str(error)
+        return CRASHED, node_traceback(error)
 
     def _finish(self, outcome: str, text: str) -> None:
         """Write the end of the recording; the first of node and watchdog to come here does it."""
@@ -169,6 +182,10 @@ class Host:
             if self._finished:
                 return
             self._finished = True
+            if missing := self.runtime.wanted - self.runtime.heard:
+                played = ", ".join(sorted(self.runtime.source.topics))
+                note = f"nothing came on {', '.join(sorted(missing))}; the recording plays {played}"
+                print(f"offline_ros: {note}", file=sys.stderr)  # noqa: T201
             if text:
                 print(text, file=sys.stderr)  # noqa: T201  (for whoever runs the node)
             runtime = self.runtime
@@ -207,6 +224,7 @@ class Host:
         if self._ending is not None:
             os._exit(STATUS[INTERRUPTED])
         self._ending = time.monotonic()
+        self._interrupted = True
         raise KeyboardInterrupt
 
     def _watch(self) -> None:
@@ -216,7 +234,9 @@ class Host:
         pause = threading.Event()
         while not pause.wait(0.2) and not self._finished:
             now = time.monotonic()
-            if self.runtime.moves != moves or not self.runtime.initialized:
+            if self._limits.progress:
+                self._limits.progress.write_text(str(self.runtime.frames))
+            if self.runtime.moves != moves:
                 moves, alive = self.runtime.moves, now
             if self.runtime.reason and self._ending is None:
                 self._ending = now
@@ -231,8 +251,8 @@ class Host:
             elif limits.stall is not None and now - alive > limits.stall:
                 self._stop(
                     STOPPED,
-                    f"the node has waited for nothing in {limits.stall:g} s: a loop needs "
-                    "rospy.spin(), rate.sleep() or rospy.sleep(), or no message ever arrives",
+                    f"the node has waited for nothing in {limits.stall:g} s: no message can "
+                    "arrive before it calls rospy.spin(), rate.sleep() or rospy.sleep()",
                 )
 
     def _stop(self, outcome: str, text: str) -> None:

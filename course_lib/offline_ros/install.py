@@ -50,7 +50,9 @@ class _MessageModule(ModuleType):
 class _Refuse(Loader):
     def create_module(self, spec: ModuleSpec) -> NoReturn:
         """Refuse: this part of ROS needs a running ROS."""
-        advice = _UNSUPPORTED.get(spec.name.partition(".")[0], "a recording answers no service")
+        advice = _UNSUPPORTED.get(
+            spec.name.partition(".")[0], "of this package there are only the messages, in its .msg"
+        )
         # An ImportError, so that a node with `except ImportError` can do without.
         raise ImportError(str(UnsupportedError(f"import {spec.name}", advice)))
 
@@ -64,7 +66,8 @@ class _Finder(MetaPathFinder):
     ) -> ModuleSpec | None:
         """Refuse what is known to be missing, with a reason."""
         _ = path, target
-        if fullname in _UNSUPPORTED or fullname.endswith((".srv", ".action")):
+        package, _, rest = fullname.partition(".")
+        if package in _UNSUPPORTED or (rest and package in packages()):
             return ModuleSpec(fullname, _Refuse())
         return None
 

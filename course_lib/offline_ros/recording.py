@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import shutil
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -46,9 +46,12 @@ class Recorder:
     ----------
     path : Path
         The bag to write; replaced if it exists.
+    keep : collection of str, optional
+        The node's topics to keep. Default: all.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, keep: Collection[str] | None = None) -> None:
+        self._keep = None if keep is None else {*keep, *_HIDDEN}
         path.unlink(missing_ok=True)
         self._writer: Writer | None = Writer(path)
         self._writer.open()
@@ -57,6 +60,8 @@ class Recorder:
 
     def announce(self, topic: str, msgtype: str, *, latch: bool = False) -> None:
         """Make a topic known, even if nothing is ever published on it."""
+        if self._keep is not None and topic not in self._keep:
+            return
         with self._lock:
             if self._writer and topic not in self._connections:
                 full = msgtype.replace("/", "/msg/")
@@ -68,7 +73,7 @@ class Recorder:
         """Add a serialized message."""
         self.announce(topic, msgtype)
         with self._lock:
-            if self._writer:
+            if self._writer and topic in self._connections:
                 self._writer.write(self._connections[topic], stamp_ns, raw)
 
     def write_message(self, topic: str, stamp_ns: int, message: Message) -> None:
@@ -146,37 +151,52 @@ class Recording(Mapping[str, list[tuple[int, Any]]]):
         self._messages: dict[str, list[tuple[int, Any]]] = {}
         try:
             with Reader(self.bag) as reader:
-                self._types = {c.topic: c.msgtype for c in reader.connections}
+                self._counts = {c.topic: c.msgcount for c in reader.connections}
         except (ReaderError, OSError) as error:
             msg = f"{self.bag} is not a recording: {error}"
             raise BagError(msg) from error
 
     def __getitem__(self, topic: str) -> list[tuple[int, Any]]:
-        if topic not in self._types:
+        if topic not in self._counts:
             known = ", ".join(self) or "nothing"
             msg = f"the node did not publish {topic}; it published {known}"
             raise KeyError(msg)
         if topic not in self._messages:
-            with Reader(self.bag) as reader:
-                connections = [c for c in reader.connections if c.topic == topic]
-                self._messages[topic] = [
-                    (stamp_ns, deserialize(raw, connection.msgtype))
-                    for connection, stamp_ns, raw in reader.messages(connections)
-                ]
+            self._messages[topic] = list(self.stream(topic))
         return self._messages[topic]
 
+    def stream(self, topic: str) -> Iterator[tuple[int, Any]]:
+        """Read a topic message by message, for pictures that would not fit into memory at once.
+
+        Parameters
+        ----------
+        topic : str
+            A topic the node published; of any other there is nothing.
+
+        Yields
+        ------
+        stamp_ns : int
+            When it was published.
+        message : Message
+            What was published.
+        """
+        with Reader(self.bag) as reader:
+            connections = [c for c in reader.connections if c.topic == topic]
+            for connection, stamp_ns, raw in reader.messages(connections) if connections else ():
+                yield stamp_ns, deserialize(raw, connection.msgtype)
+
     def __iter__(self) -> Iterator[str]:
-        return iter(sorted(self._types.keys() - _HIDDEN))
+        return iter(sorted(self._counts.keys() - _HIDDEN))
 
     def __len__(self) -> int:
-        return len(self._types.keys() - _HIDDEN)
+        return len(self._counts.keys() - _HIDDEN)
 
     def __repr__(self) -> str:
-        rows = [f"  {topic}: {len(self[topic])} messages" for topic in self]
+        rows = [f"  {topic}: {self._counts[topic]} messages" for topic in self]
         return "\n".join(["Recording", *rows, f"  log: {len(self.log)} lines"])
 
     def _hidden(self, topic: str) -> list[tuple[int, Any]]:
-        return self[topic] if topic in self._types else []
+        return self[topic] if topic in self._counts else []
 
     @cached_property
     def log(self) -> list[LogLine]:

@@ -37,6 +37,8 @@ def run_node(
     duration: float | None = None,
     keep_going: bool = False,
     stall: float | None = 60.0,
+    keep: Collection[str] | None = None,
+    progress: bool = False,
 ) -> Recording:
     """Run a ROS 1 node file on a recording and give back what it did.
 
@@ -70,6 +72,11 @@ def run_node(
         Log an exception in a callback and go on, as ROS does. Default: stop there.
     stall : float, optional
         Wall seconds without a sign of life after which the node is stopped.
+    keep : collection of str, optional
+        The published topics that the recording keeps. Default: all; leave out pictures you do
+        not need, each takes a megabyte or so.
+    progress : bool, optional
+        Say on stderr how many pictures were played.
 
     Returns
     -------
@@ -93,6 +100,7 @@ def run_node(
     arguments += [f"_{name.lstrip('~_')}:={_yaml(value)}" for name, value in (params or {}).items()]
     options: list[str] = ["--quiet", "--with-parent", f"--bag={find_bag(bag)}"]
     options += [f"--topic={topic}" for topic in topics or ()]
+    options += [f"--keep={topic}" for topic in keep or ()]
     for name, value in (
         ("timeout", timeout),
         ("max-frames", max_frames),
@@ -109,7 +117,10 @@ def run_node(
     record = Path(folder.name) / "recording.bag"
     printed = Path(folder.name) / "output.txt"
     command = [sys.executable, "-m", "course_lib.offline_ros", f"--record={record}"]
-    status = _run([*command, *options, str(node), *arguments], printed)
+    played = Path(folder.name) / "played.txt" if progress else None
+    if played:
+        options.append(f"--progress={played}")
+    status = _run([*command, *options, str(node), *arguments], printed, played)
     output = _tail(printed)
     if status == 2 and not record.exists():
         raise BagError(output.rpartition("error: ")[2].strip())
@@ -144,11 +155,19 @@ def _tail(printed: Path) -> str:
         return file.read().decode(errors="replace")
 
 
-def _run(command: list[str], printed: Path) -> int:
+def _report(played: Path, status: int = 0) -> int:
+    with suppress(OSError):
+        print(f"\r{played.read_text()} pictures", end="", file=sys.stderr, flush=True)  # noqa: T201
+    return status
+
+
+def _run(command: list[str], printed: Path, played: Path | None) -> int:
     environment = dict(os.environ)
     paths = [str(_ROOT), environment.get("PYTHONPATH", "")]
     environment["PYTHONPATH"] = os.pathsep.join(filter(None, paths))
     environment["PYTHONUNBUFFERED"] = "1"
+    # A kernel's inline backend does not work outside it.
+    environment["MPLBACKEND"] = "Agg"
     with printed.open("wb") as output:
         # A session of its own: an interrupt reaches this process alone, and it ends the whole
         # group, the node's own children included.
@@ -161,6 +180,10 @@ def _run(command: list[str], printed: Path) -> int:
             start_new_session=True,
         )
         try:
+            while played:
+                with suppress(subprocess.TimeoutExpired):
+                    return _report(played, process.wait(0.5))
+                _report(played)
             return process.wait()
         except BaseException:
             process.terminate()

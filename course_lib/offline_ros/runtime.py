@@ -18,6 +18,8 @@ from collections import deque
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from course_lib.offline_ros.errors import BagError
+from course_lib.offline_ros.exceptions import ROSInterruptException
 from course_lib.offline_ros.times import Time
 
 if TYPE_CHECKING:
@@ -91,6 +93,8 @@ class Runtime:
         self.subscriptions: list[Subscription] = []
         self.latched: dict[str, tuple[str, bytes]] = {}
         self.published: dict[str, int] = {}
+        self.heard: set[str] = set()  # topics that brought something
+        self.wanted: set[str] = set()  # topics that were subscribed to
         self.frames = 0
         self.dropped = 0
         self.moves = 0  # counts every step of the clock and every call-back: a sign of life
@@ -235,6 +239,7 @@ class Runtime:
         """Put a message in the queues of a topic's subscribers; a full queue loses its oldest."""
         for subscription in self.subscriptions:
             if subscription.topic == topic:
+                self.heard.add(topic)
                 subscription.queue.append((self.ticket(), load))
                 size = subscription.queue_size
                 if size and len(subscription.queue) > size:
@@ -271,6 +276,11 @@ class Runtime:
         self._depth += 1
         try:
             callback(*args)
+        except ROSInterruptException:
+            if not self.reason:
+                raise
+        except BagError:
+            raise
         except Exception:
             if not self.keep_going:
                 raise

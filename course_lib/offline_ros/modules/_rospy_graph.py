@@ -158,8 +158,11 @@ def spin() -> None:
     if not runtime.initialized:
         msg = "client code must call rospy.init_node() first"
         raise ROSInitException(msg)
-    while not runtime.reason:
-        runtime.run_until()
+    try:
+        while not runtime.reason:
+            runtime.run_until()
+    except KeyboardInterrupt:
+        runtime.shutdown("keyboard interrupt")
 
 
 class Subscriber:
@@ -204,6 +207,7 @@ class Subscriber:
         self.type = type_name(data_class)
         self._mine: list[Subscription] = []
         self._queue_size = queue_size
+        runtime.wanted.add(self.name)
         self.impl: Any = self
         played = runtime.source.topics.get(self.name)
         if played and played != self.type:
@@ -224,6 +228,7 @@ class Subscriber:
         self._mine.append(subscription)
         runtime.subscriptions.append(subscription)
         if self.name in runtime.latched:
+            runtime.heard.add(self.name)
             kind, raw = runtime.latched[self.name]
             subscription.queue.append((runtime.ticket(), lambda: deserialize(raw, kind)))
 
