@@ -116,6 +116,8 @@ def main(argv: list[str] | None = None) -> int:
         source = BagSource(options.bag, topics=options.topic, max_frames=options.max_frames)
     except (BagError, ValueError) as error:
         parser.error(str(error))
+    if options.rate and not source.rate:
+        parser.error(f"--rate counts pictures, but {source.path.name} has fewer than two")
     if record is not None and record.resolve() == source.path:
         parser.error("--record would overwrite the recording that is played")
     host = Host(

@@ -15,7 +15,8 @@ from rosbags.typesys import Stores, get_typestore
 
 from course_lib import images
 from course_lib.offline_ros.errors import BagError
-from course_lib.offline_ros.messages import STORE, from_native, message_class
+from course_lib.offline_ros.messages import STORE, message_class
+from course_lib.offline_ros.wire import from_native
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator

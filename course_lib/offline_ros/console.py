@@ -6,7 +6,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from course_lib.offline_ros.messages import message_class
-from course_lib.offline_ros.recording import ROSOUT, Recorder
+from course_lib.offline_ros.recorder import ROSOUT, Recorder
 from course_lib.offline_ros.times import Time
 
 if TYPE_CHECKING:

@@ -21,7 +21,7 @@ from course_lib.offline_ros.install import install
 from course_lib.offline_ros.messages import message_class
 from course_lib.offline_ros.modules import set_runtime
 from course_lib.offline_ros.names import Names, split_arguments
-from course_lib.offline_ros.recording import OUTCOME, Recorder
+from course_lib.offline_ros.recorder import OUTCOME, Recorder
 from course_lib.offline_ros.runtime import Runtime
 from course_lib.offline_ros.windows import Windows
 

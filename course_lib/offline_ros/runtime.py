@@ -9,7 +9,6 @@ messages, as it does on a robot.
 
 from __future__ import annotations
 
-import heapq
 import itertools
 import threading
 import time
@@ -18,23 +17,21 @@ from collections import deque
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from course_lib.offline_ros.agenda import Agenda
 from course_lib.offline_ros.errors import BagError
 from course_lib.offline_ros.exceptions import ROSInterruptException
 from course_lib.offline_ros.times import Time
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
 
-    from course_lib.offline_ros.bag import Arrival, BagSource
+    from course_lib.offline_ros.bag import BagSource
     from course_lib.offline_ros.console import Console
     from course_lib.offline_ros.names import Names
-    from course_lib.offline_ros.recording import Recorder
+    from course_lib.offline_ros.recorder import Recorder
 
 _SLEEP = threading.Event()  # never set: time.sleep itself is replaced while a node runs
 _PATIENCE = 0.5  # wall seconds
-
-# After the last message a node gets this long for what it does at a slower rate.
-GRACE_NS = 1_000_000_000
 
 
 @dataclass(eq=False)
@@ -100,13 +97,8 @@ class Runtime:
         self.moves = 0  # counts every step of the clock and every call-back: a sign of life
 
         self._now = source.start_ns
-        self._arrivals: Iterator[Arrival] = iter(source)
-        self._next: Arrival | None = next(self._arrivals, None)
-        self._last_ns = source.start_ns
-        self._end_ns = None if duration is None else source.start_ns + int(duration * 1e9)
+        self._agenda = Agenda(source, duration)
         self._count = itertools.count()
-        self._heap: list[tuple[int, int, Callable[[], None]]] = []
-        self._lock = threading.RLock()
         self._pump: int | None = None  # the thread that moves the clock
         self._deputy: threading.Thread | None = None  # moves it while the main thread does not
         self._asleep: set[threading.Thread] = set()
@@ -134,13 +126,13 @@ class Runtime:
         if self._speed is not None:
             while not self.reason and (ahead := stamp_ns - self.now_ns()) > 0:
                 _SLEEP.wait(min(ahead / 1e9 / self._speed, 0.1))
+                self.moves += 1
         self._now = max(self._now, stamp_ns)
         self.moves += 1
 
     def at(self, stamp_ns: int, action: Callable[[], None]) -> None:
         """Do something once the clock shows `stamp_ns`."""
-        with self._lock:
-            heapq.heappush(self._heap, (stamp_ns, next(self._count), action))
+        self._agenda.add(stamp_ns, action)
 
     # Waiting, which is what makes time pass
 
@@ -199,15 +191,14 @@ class Runtime:
 
     def _step(self, deadline_ns: int | None, *, block: bool = True) -> bool:
         """Do the next thing; false when the deadline or the end is reached."""
+        if self._speed is not None:
+            self.now_ns()
+            self._arrive()  # what came while the node was busy may push older messages out
         # Of what happens at the same moment messages come first, then timers and wake-ups.
-        if self._deliver() or self._fire():
+        if self._deliver() or self._agenda.fire(self._now):
             return True
-        due = self._heap[0][0] if self._heap else None
-        if self._next is not None and (due is None or self._next.stamp_ns <= due):
-            due = self._next.stamp_ns
-        end_ns = self._end_ns
-        if end_ns is None and self._next is None:
-            end_ns = self._last_ns + GRACE_NS
+        due = self._agenda.next_ns()
+        end_ns = self._agenda.end_ns()
         stop_ns = min((t for t in (deadline_ns, end_ns) if t is not None), default=None)
         if due is not None and (stop_ns is None or due <= stop_ns):
             if not block and self._speed is not None and due > self.now_ns():
@@ -219,15 +210,13 @@ class Runtime:
         if stop_ns is None:  # cannot be: with no message left there is an end
             return False
         self._advance(stop_ns)
-        if end_ns is not None and stop_ns == end_ns:
+        if stop_ns == end_ns:
             self.shutdown("the recording has ended")
         return False
 
     def _arrive(self) -> None:
         """Put the messages that are due into the queues."""
-        while self._next is not None and self._next.stamp_ns <= self._now:
-            arrival, self._next = self._next, next(self._arrivals, None)
-            self._last_ns = arrival.stamp_ns
+        for arrival in self._agenda.arrivals(self._now):
             self.frames += arrival.topic == self.source.camera
             self.enqueue(arrival.topic, arrival.load)
 
@@ -245,15 +234,6 @@ class Runtime:
                 if size and len(subscription.queue) > size:
                     subscription.queue.popleft()
                     self.dropped += 1
-
-    def _fire(self) -> bool:
-        """Do one thing that was put off until now."""
-        with self._lock:
-            if not self._heap or self._heap[0][0] > self._now:
-                return False
-            action = heapq.heappop(self._heap)[2]
-        action()
-        return True
 
     def _deliver(self) -> bool:
         """Call one callback with the oldest waiting message."""

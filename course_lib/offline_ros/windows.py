@@ -13,7 +13,7 @@ import numpy as np
 
 from course_lib.offline_ros.errors import UnsupportedError
 from course_lib.offline_ros.messages import message_class
-from course_lib.offline_ros.recording import WINDOWS, Recorder
+from course_lib.offline_ros.recorder import WINDOWS, Recorder
 from course_lib.offline_ros.times import Time
 
 if TYPE_CHECKING:

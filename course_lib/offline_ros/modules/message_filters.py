@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
-from course_lib.offline_ros.modules import _rospy_graph, get_runtime
+from course_lib.offline_ros.modules import _rospy_topics, get_runtime
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -33,7 +33,7 @@ class Subscriber(SimpleFilter):
     def __init__(self, *args: Any, **kwargs: Any) -> None:  # noqa: ANN401  (rospy.Subscriber's)
         super().__init__()
         self.topic = args[0] if args else kwargs["name"]
-        self.sub = _rospy_graph.Subscriber(*args, **{**kwargs, "callback": self.signalMessage})
+        self.sub = _rospy_topics.Subscriber(*args, **{**kwargs, "callback": self.signalMessage})
 
 
 class ApproximateTimeSynchronizer(SimpleFilter):

@@ -21,14 +21,12 @@ from course_lib.offline_ros.exceptions import (
 )
 from course_lib.offline_ros.messages import Message, message_class
 from course_lib.offline_ros.modules import _rospy_log
-from course_lib.offline_ros.modules._rospy_graph import (
+from course_lib.offline_ros.modules._rospy_node import (
     DEBUG,
     ERROR,
     FATAL,
     INFO,
     WARN,
-    Publisher,
-    Subscriber,
     get_caller_id,
     get_name,
     get_namespace,
@@ -42,7 +40,6 @@ from course_lib.offline_ros.modules._rospy_graph import (
     resolve_name,
     signal_shutdown,
     spin,
-    wait_for_message,
 )
 from course_lib.offline_ros.modules._rospy_param import (
     delete_param,
@@ -60,6 +57,7 @@ from course_lib.offline_ros.modules._rospy_time import (
     get_time,
     sleep,
 )
+from course_lib.offline_ros.modules._rospy_topics import Publisher, Subscriber, wait_for_message
 from course_lib.offline_ros.times import Duration, Time
 
 Header = message_class("std_msgs/Header")

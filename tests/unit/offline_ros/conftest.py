@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from rosbags.rosbag1 import Writer
 
-from course_lib.offline_ros.messages import STORE, message_class, serialize
+from course_lib.offline_ros.messages import STORE, message_class
+from course_lib.offline_ros.wire import serialize
 
 NODES = Path(__file__).parent / "nodes"
 START_NS = 1_600_000_000_000_000_000

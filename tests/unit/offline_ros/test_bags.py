@@ -12,8 +12,9 @@ from rosbags.rosbag1 import Writer
 from rosbags.typesys import Stores, get_typestore
 
 from course_lib.offline_ros import BagError, NodeError, Recording, run_node
-from course_lib.offline_ros.messages import STORE, message_class, serialize
+from course_lib.offline_ros.messages import STORE, message_class
 from course_lib.offline_ros.modules.cv_bridge import CvBridge
+from course_lib.offline_ros.wire import serialize
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -11,8 +11,9 @@ from conftest import START_NS
 from rosbags.rosbag1 import Writer
 
 from course_lib.offline_ros import NodeError, run_node
-from course_lib.offline_ros.messages import STORE, message_class, serialize
+from course_lib.offline_ros.messages import STORE, message_class
 from course_lib.offline_ros.modules.cv_bridge import CvBridge
+from course_lib.offline_ros.wire import serialize
 
 NODE = Path(__file__).parents[3] / "solutions" / "unit4" / "src" / "example4_5.py"
 SIZE = (640, 480)

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from course_lib.offline_ros.exceptions import ROSSerializationException
-from course_lib.offline_ros.messages import STORE, deserialize, message_class, serialize, type_name
+from course_lib.offline_ros.messages import STORE, message_class, type_name
 from course_lib.offline_ros.times import Duration, Time
+from course_lib.offline_ros.wire import deserialize, serialize
 
 # As `rosmsg md5` of ROS 1 noetic prints them.
 MD5SUMS = {

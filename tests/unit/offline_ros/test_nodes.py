@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import re
-import subprocess
-import sys
-import threading
 import time
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 import cv2
 import numpy as np
 import pytest
 from conftest import FRAME_NS, NODES, START_NS, frame, write_bag
 
-from course_lib.offline_ros import BagError, NodeError, Recording, run_node
+from course_lib.offline_ros import BagError, NodeError, run_node
 from course_lib.offline_ros.modules.cv_bridge import CvBridge
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 
 def test_every_picture_arrives_in_order_and_unchanged(bag: Path) -> None:
@@ -137,9 +137,9 @@ def test_thread_with_its_own_rate_runs_in_step_with_the_pictures(bag: Path) -> N
 
 def test_a_node_without_sign_of_life_is_stopped_and_told_where_it_was(bag: Path) -> None:
     start = time.monotonic()
-    with pytest.raises(NodeError, match=r"waited for nothing in 1 s") as caught:
-        run_node(NODES / "loops.py", bag=bag, params={"kind": "deaf"}, stall=1)
-    assert time.monotonic() - start < 20
+    with pytest.raises(NodeError, match=r"waited for nothing in 3 s") as caught:
+        run_node(NODES / "loops.py", bag=bag, params={"kind": "deaf"}, stall=3)
+    assert time.monotonic() - start < 30
     assert "loops.py" in caught.value.traceback
     assert caught.value.recording is not None
 
@@ -248,7 +248,7 @@ def test_wall_clock_rate_takes_its_time_and_a_slow_node_misses_pictures(
     )
     recording = run_node(node, bag=bag, rate=20)
     assert 1.0 < recording.outcome["seconds"] < 6.0
-    assert 3 <= len(recording["/t"]) <= 9
+    assert 2 <= len(recording["/t"]) <= 9
     assert len(recording["/t"]) + recording.outcome["dropped"] == 20
 
 
@@ -276,104 +276,3 @@ def test_rgb_camera_publishes_rgb(tmp_path: Path) -> None:
     message = run_node(node, bag=path)["/echo"][0][1]
     assert message.encoding == "rgb8"
     np.testing.assert_array_equal(CvBridge().imgmsg_to_cv2(message, "bgr8"), frame(3))
-
-
-def command(*arguments: object, **options: object) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-m", "course_lib.offline_ros", *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=60,
-        **options,
-    )
-
-
-def test_command_records_what_can_be_read_back(bag: Path, tmp_path: Path) -> None:
-    done = command(
-        NODES / "subscriber.py", "turned:=/a", "--bag", bag, "--record", tmp_path, "--max-frames=5"
-    )
-    assert done.returncode == 0
-    assert "[INFO]" in done.stdout
-    assert "5 pictures" in done.stderr
-    assert "/a 5" in done.stderr
-    recording = Recording(tmp_path / "subscriber.bag")
-    assert len(recording["/a"]) == 5
-    assert len(Recording(recording.save(tmp_path / "copy.bag"))["/a"]) == 5
-    with pytest.raises(KeyError, match=r"did not publish /b; it published /a, "):
-        recording["/b"]
-
-
-def test_command_tells_wrong_usage(bag: Path) -> None:
-    assert command("none.py").returncode == 2
-    assert (
-        "neither a positive number nor max"
-        in command(NODES / "talker.py", "--bag", bag, "--rate=-1").stderr
-    )
-    assert "overwrite" in command(NODES / "talker.py", "--bag", bag, "--record", bag).stderr
-    assert "_param:=value" in command("--help").stdout
-    crashed = command(NODES / "crash.py", "--bag", bag)
-    assert crashed.returncode == 1
-    assert "third picture is too much" in crashed.stderr
-
-
-def test_interrupt_runs_the_hooks_and_leaves_nothing_behind(bag: Path, tmp_path: Path) -> None:
-    node = tmp_path / "node.py"
-    node.write_text(
-        "import rospy, subprocess\nrospy.init_node('n')\n"
-        "rospy.on_shutdown(lambda: print('hook', flush=True))\n"
-        "print('ready', flush=True)\nrospy.spin()\n"
-    )
-    process = subprocess.Popen(
-        [sys.executable, "-m", "course_lib.offline_ros", node, "--bag", bag, "--rate=1"],
-        stdout=subprocess.PIPE,
-        text=True,
-    )
-    try:
-        assert process.stdout is not None
-        assert process.stdout.readline() == "ready\n"
-        process.send_signal(2)
-        assert process.stdout.readline() == "hook\n"
-        assert process.wait(10) in {0, 130}
-    finally:
-        process.kill()
-        process.wait()
-
-
-def test_interrupting_run_node_ends_the_node_and_its_children(bag: Path, tmp_path: Path) -> None:
-    pids = tmp_path / "pids"
-    node = tmp_path / "node.py"
-    node.write_text(
-        "import os, rospy, subprocess\nchild = subprocess.Popen(['sleep', '300'])\n"
-        f"open({str(pids)!r}, 'w').write(f'{{os.getpid()}} {{child.pid}} .')\n"
-        "rospy.init_node('n')\nrospy.spin()\n"
-    )
-    script = tmp_path / "notebook.py"
-    script.write_text(
-        "from course_lib.offline_ros import run_node\n"
-        f"run_node({str(node)!r}, bag={str(bag)!r}, rate=0.1)\n"
-    )
-    notebook = subprocess.Popen([sys.executable, script], stderr=subprocess.DEVNULL)
-    try:
-        _until(lambda: pids.exists() and pids.read_text().endswith("."))
-        running = [int(pid) for pid in pids.read_text().split()[:2]]
-        notebook.send_signal(2)
-        notebook.wait(20)
-        _until(lambda: not any(_runs(pid) for pid in running))
-    finally:
-        notebook.kill()
-        notebook.wait()
-
-
-def _runs(pid: int) -> bool:
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except FileNotFoundError:
-        return False
-
-
-def _until(condition, seconds: float = 20.0) -> None:
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "it did not happen in time"
-        threading.Event().wait(0.05)

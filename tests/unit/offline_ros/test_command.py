@@ -1,0 +1,116 @@
+"""The command line, and what remains after an interrupt."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import pytest
+from conftest import NODES
+
+from course_lib.offline_ros import Recording
+
+
+def command(*arguments: object, **options: object) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "course_lib.offline_ros", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+        **options,
+    )
+
+
+def test_command_records_what_can_be_read_back(bag: Path, tmp_path: Path) -> None:
+    done = command(
+        NODES / "subscriber.py", "turned:=/a", "--bag", bag, "--record", tmp_path, "--max-frames=5"
+    )
+    assert done.returncode == 0
+    assert "[INFO]" in done.stdout
+    assert "5 pictures" in done.stderr
+    assert "/a 5" in done.stderr
+    recording = Recording(tmp_path / "subscriber.bag")
+    assert len(recording["/a"]) == 5
+    assert len(Recording(recording.save(tmp_path / "copy.bag"))["/a"]) == 5
+    with pytest.raises(KeyError, match=r"did not publish /b; it published /a, "):
+        recording["/b"]
+
+
+def test_command_tells_wrong_usage(bag: Path) -> None:
+    assert command("none.py").returncode == 2
+    assert (
+        "neither a positive number nor max"
+        in command(NODES / "talker.py", "--bag", bag, "--rate=-1").stderr
+    )
+    assert "overwrite" in command(NODES / "talker.py", "--bag", bag, "--record", bag).stderr
+    assert "_param:=value" in command("--help").stdout
+    crashed = command(NODES / "crash.py", "--bag", bag)
+    assert crashed.returncode == 1
+    assert "third picture is too much" in crashed.stderr
+
+
+def test_interrupt_runs_the_hooks_and_leaves_nothing_behind(bag: Path, tmp_path: Path) -> None:
+    node = tmp_path / "node.py"
+    node.write_text(
+        "import rospy, subprocess\nrospy.init_node('n')\n"
+        "rospy.on_shutdown(lambda: print('hook', flush=True))\n"
+        "print('ready', flush=True)\nrospy.spin()\nprint('after', flush=True)\n"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-m", "course_lib.offline_ros", node, "--bag", bag, "--rate=1"],
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "ready\n"
+        process.send_signal(2)
+        assert process.stdout.readline() == "hook\n"
+        assert process.stdout.readline() == "after\n"
+        assert process.wait(10) == 130
+    finally:
+        process.kill()
+        process.wait()
+
+
+def test_interrupting_run_node_ends_the_node_and_its_children(bag: Path, tmp_path: Path) -> None:
+    pids = tmp_path / "pids"
+    node = tmp_path / "node.py"
+    node.write_text(
+        "import os, rospy, subprocess\nchild = subprocess.Popen(['sleep', '300'])\n"
+        f"open({str(pids)!r}, 'w').write(f'{{os.getpid()}} {{child.pid}} .')\n"
+        "rospy.init_node('n')\nrospy.spin()\n"
+    )
+    script = tmp_path / "notebook.py"
+    script.write_text(
+        "from course_lib.offline_ros import run_node\n"
+        f"run_node({str(node)!r}, bag={str(bag)!r}, rate=0.1)\n"
+    )
+    notebook = subprocess.Popen([sys.executable, script], stderr=subprocess.DEVNULL)
+    try:
+        _until(lambda: pids.exists() and pids.read_text().endswith("."))
+        running = [int(pid) for pid in pids.read_text().split()[:2]]
+        notebook.send_signal(2)
+        notebook.wait(20)
+        _until(lambda: not any(_runs(pid) for pid in running))
+    finally:
+        notebook.kill()
+        notebook.wait()
+
+
+def _runs(pid: int) -> bool:
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+def _until(condition, seconds: float = 20.0) -> None:
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "it did not happen in time"
+        threading.Event().wait(0.05)
