@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
+import math
 from typing import TYPE_CHECKING
 
 import matplotlib as mpl
@@ -20,6 +21,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MAX_BYTES = 150_000
+# A notebook's column is about this wide; more pixels only weigh.
+MAX_WIDTH = 1200
+MIN_WIDTH = 64
 GAP = 12
 CAPTION_SIZE = 15
 
@@ -47,7 +51,7 @@ def show(
     captions : sequence of str or None
         A line above each of several pictures.
     width : int or None
-        Shrink the output to at most this many pixels of width.
+        Shrink the output to at most this many pixels of width; None keeps up to 1200.
     max_bytes : int
         Use fewer colours, then fewer pixels, until the PNG is no larger than this.
 
@@ -64,8 +68,7 @@ def show(
     sheet = _side_by_side(pictures, captions)
     if title:
         sheet = _headed(sheet, title)
-    if width is not None:
-        sheet = _narrowed(sheet, as_count(width, "width", 1))
+    sheet = _narrowed(sheet, MAX_WIDTH if width is None else as_count(width, "width", 1))
     _publish(encode_png(sheet, max_bytes=max_bytes), sheet.width, alt)
 
 
@@ -119,19 +122,21 @@ def encode_png(
         sheet = _narrowed(sheet, as_count(max_width, "max_width", 1))
     data = _png(sheet)
     while len(data) > max_bytes:
-        for colours in (256, 128, 64):
+        for colours in (256, 128):
             data = _png(sheet.quantize(colours, dither=PIL.Image.Dither.NONE))
             if len(data) <= max_bytes:
                 return data
-        if sheet.width <= 64:
+        if sheet.width <= MIN_WIDTH:
             break
-        sheet = _narrowed(sheet, max(64, sheet.width * 4 // 5))
+        # Bytes go with the area; a little less, so that one step mostly suffices.
+        shrink = 0.97 * math.sqrt(max_bytes / len(data))
+        sheet = _narrowed(sheet, max(MIN_WIDTH, int(sheet.width * shrink)))
     return data
 
 
 def _png(sheet: PIL.Image.Image) -> bytes:
     buffer = io.BytesIO()
-    sheet.save(buffer, "PNG", optimize=True)
+    sheet.save(buffer, "PNG")
     return buffer.getvalue()
 
 
