@@ -56,9 +56,11 @@ def test_command_tells_wrong_usage(bag: Path) -> None:
 def test_interrupt_runs_the_hooks_and_leaves_nothing_behind(bag: Path, tmp_path: Path) -> None:
     node = tmp_path / "node.py"
     node.write_text(
-        "import rospy, subprocess\nrospy.init_node('n')\n"
+        "import rospy\nfrom sensor_msgs.msg import CameraInfo\nrospy.init_node('n')\n"
         "rospy.on_shutdown(lambda: print('hook', flush=True))\n"
-        "print('ready', flush=True)\nrospy.spin()\nprint('after', flush=True)\n"
+        "ready = lambda message: print('ready', flush=True)\n"
+        "rospy.Subscriber('/camera/rgb/camera_info', CameraInfo, ready)\n"
+        "rospy.spin()\nprint('after', flush=True)\n"
     )
     process = subprocess.Popen(
         [sys.executable, "-m", "course_lib.offline_ros", node, "--bag", bag, "--rate=1"],
