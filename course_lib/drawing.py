@@ -70,20 +70,17 @@ def draw_keypoints(
         BGR.
     """
     canvas = as_bgr(image, "image")
-    for keypoint in keypoints:
-        radius = max(keypoint.size / 2, 2.0) if rich else 3.0
-        centre = np.array(keypoint.pt)
-        ends = []
-        if rich and keypoint.angle >= 0:
-            turn = np.deg2rad(keypoint.angle)
-            ends = [(centre, centre + radius * np.array([np.cos(turn), np.sin(turn)]))]
-        # A dark rim under the colour keeps the mark visible on any background.
-        for thickness, ink in ((3, (0, 0, 0)), (1, color)):
-            cv2.circle(
-                canvas, _fixed(centre), round(radius * 2**SHIFT), ink, thickness, cv2.LINE_AA, SHIFT
-            )
-            for start, end in ends:
-                cv2.line(canvas, _fixed(start), _fixed(end), ink, thickness, cv2.LINE_AA, SHIFT)
+    # Dark rims keep the marks visible on any background; all rims lie below all marks.
+    for thickness, ink in ((3, (0, 0, 0)), (1, color)):
+        for keypoint in keypoints:
+            radius = max(keypoint.size / 2, 2.0) if rich else 3.0
+            centre = np.array(keypoint.pt)
+            around = _fixed(centre), round(radius * 2**SHIFT)
+            cv2.circle(canvas, *around, ink, thickness, cv2.LINE_AA, SHIFT)
+            if rich and keypoint.angle >= 0:
+                turn = np.deg2rad(keypoint.angle)
+                end = centre + radius * np.array([np.cos(turn), np.sin(turn)])
+                cv2.line(canvas, _fixed(centre), _fixed(end), ink, thickness, cv2.LINE_AA, SHIFT)
     return canvas
 
 
