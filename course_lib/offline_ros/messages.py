@@ -36,9 +36,11 @@ class Message:
         The definition.
     _slot_types : list of str
         Type of each field, as in `__slots__`.
+    _connection_header : dict of str to str
+        Of a message that a callback gets: its `topic`, `type` and `callerid`.
     """
 
-    __slots__: tuple[str, ...] = ()
+    __slots__: tuple[str, ...] = ("_connection_header",)
     _type: ClassVar[str] = ""
     _md5sum: ClassVar[str] = ""
     _full_text: ClassVar[str] = ""

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 from course_lib.offline_ros.agenda import Agenda
 from course_lib.offline_ros.errors import BagError
 from course_lib.offline_ros.exceptions import ROSInterruptException
+from course_lib.offline_ros.messages import type_name
 from course_lib.offline_ros.times import Time
 
 if TYPE_CHECKING:
@@ -245,7 +246,13 @@ class Runtime:
         _, load = subscription.queue.popleft()
         subscription.busy = True
         try:
-            self.call(subscription.callback, load())
+            message = load()
+            message._connection_header = {  # noqa: SLF001  (rospy's name)
+                "callerid": "/offline_ros",
+                "topic": subscription.topic,
+                "type": type_name(message),
+            }
+            self.call(subscription.callback, message)
         finally:
             subscription.busy = False
         return True

@@ -276,3 +276,26 @@ def test_rgb_camera_publishes_rgb(tmp_path: Path) -> None:
     message = run_node(node, bag=path)["/echo"][0][1]
     assert message.encoding == "rgb8"
     np.testing.assert_array_equal(CvBridge().imgmsg_to_cv2(message, "bgr8"), frame(3))
+
+
+def test_a_picture_is_taken_by_a_node_that_ends_by_itself(bag: Path, tmp_path: Path) -> None:
+    node = tmp_path / "take_photo.py"
+    node.write_text(
+        "import cv2, rospy\nfrom cv_bridge import CvBridge\nfrom sensor_msgs.msg import Image\n"
+        "class TakePhoto:\n"
+        "    def __init__(self):\n"
+        "        self.picture = None\n"
+        "        rospy.Subscriber('/camera/rgb/image_raw', Image, self.keep)\n"
+        "        rospy.sleep(0.75)\n"
+        "    def keep(self, message):\n"
+        "        self.picture = CvBridge().imgmsg_to_cv2(message, 'bgr8')\n"
+        "        self.topic = message._connection_header['topic']\n"
+        "rospy.init_node('take_photo')\n"
+        "photo = TakePhoto()\n"
+        "cv2.imwrite(rospy.get_param('~file'), photo.picture)\n"
+        "print(photo.topic)\n"
+    )
+    recording = run_node(node, bag=bag, params={"file": str(tmp_path / "photo.png")})
+    assert recording.output == "/camera/rgb/image_raw\n"
+    assert recording.outcome["reason"] == "the node has returned"
+    np.testing.assert_array_equal(cv2.imread(str(tmp_path / "photo.png")), frame(7))
