@@ -174,7 +174,7 @@ class Host:
             return ENDED, ""  # waiting when it was shut down, and it did not mind
         if isinstance(error, BagError):
             return STOPPED, str(error)
-        return CRASHED, node_traceback(error)
+        return CRASHED, node_traceback(error, self._node.parent)
 
     def _finish(self, outcome: str, text: str) -> None:
         """Write the end of the recording; the first of node and watchdog to come here does it."""
@@ -258,7 +258,7 @@ class Host:
     def _stop(self, outcome: str, text: str) -> None:
         frame = sys._current_frames().get(threading.main_thread().ident or 0)  # noqa: SLF001
         stack = [f for f in traceback.extract_stack(frame) if _is_nodes(f.filename)]
-        where = "".join(traceback.format_list(stack))
+        where = _from_folder("".join(traceback.format_list(stack)), self._node.parent)
         self._finish(outcome, f"{text}. It was here:\n{where}" if where else text)
         os._exit(STATUS[outcome])
 
@@ -267,13 +267,15 @@ def _is_nodes(filename: str) -> bool:
     return not filename.startswith((_PACKAGE, "<frozen"))
 
 
-def node_traceback(error: BaseException) -> str:
+def node_traceback(error: BaseException, folder: Path) -> str:
     """Format a traceback without the lines of this package.
 
     Parameters
     ----------
     error : BaseException
         What the node raised.
+    folder : Path
+        Where the node is; its files are named from there, so that the text is the same anywhere.
 
     Returns
     -------
@@ -287,4 +289,8 @@ def node_traceback(error: BaseException) -> str:
             [frame for frame in link.stack if _is_nodes(frame.filename)]
         )
         link = link.__cause__ or link.__context__
-    return "".join(summary.format()).rstrip()
+    return _from_folder("".join(summary.format()).rstrip(), folder)
+
+
+def _from_folder(text: str, folder: Path) -> str:
+    return text.replace(f'File "{folder}{os.sep}', 'File "')

@@ -133,7 +133,11 @@ class Recording(Mapping[str, list[tuple[int, Any]]]):
 
     def __repr__(self) -> str:
         rows = [f"  {topic}: {self._counts[topic]} messages" for topic in self]
-        return "\n".join(["Recording", *rows, f"  log: {len(self.log)} lines"])
+        rows += [
+            f"  {name} (log lines): {self._counts[name]}" for name in {ROSOUT} & {*self._counts}
+        ]
+        rows += [f"  window {name!r}" for name in self.windows]
+        return "\n".join([f"Recording, {self.outcome.get('frames', 0)} pictures played", *rows])
 
     def _hidden(self, topic: str) -> list[tuple[int, Any]]:
         return self[topic] if topic in self._counts else []
