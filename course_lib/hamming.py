@@ -10,8 +10,9 @@ Indices = NDArray[np.int64]
 
 # Blocks of distances this large stay in a core's cache.
 BLOCK_CELLS = 50_000
-# Indices share 32 bits with the distance.
-MAX_ROWS = 1 << 16
+MAX_THREADS = 3
+# Distances are counted in 16 bits.
+MAX_BYTES = (1 << 16) // 8 - 1
 
 
 def available(query: NDArray[np.uint8], train: NDArray[np.uint8]) -> bool:
@@ -21,8 +22,13 @@ def available(query: NDArray[np.uint8], train: NDArray[np.uint8]) -> bool:
     OpenCV compares descriptors on all cores, this on one, about three times as fast: beyond three
     cores OpenCV wins. NumPy counts bits since version 2.
     """
-    small = max(len(query), len(train)) < MAX_ROWS and query.shape[1] < MAX_ROWS // 8
-    return small and hasattr(np, "bitwise_count") and cv2.getNumThreads() <= 3
+    return (
+        hasattr(np, "bitwise_count")
+        and cv2.getNumThreads() <= MAX_THREADS
+        and query.shape[1] <= MAX_BYTES
+        # A block is at least one row.
+        and len(train) <= BLOCK_CELLS
+    )
 
 
 def mutual_nearest(
@@ -49,26 +55,28 @@ def mutual_nearest(
     rows = max(1, min(count_q, BLOCK_CELLS // count_t))
     differing = np.empty((rows, count_t), np.uint64)
     bits = np.empty((rows, count_t), np.uint8)
-    columns = np.arange(count_t, dtype=np.uint32)
-    # A distance and an index in one number: its minimum is the nearest, at the lowest index.
-    nearest_train = np.empty(count_q, np.uint32)
-    nearest_query = np.full(count_t, np.iinfo(np.uint32).max, np.uint32)
+    distances = np.empty((rows, count_t), np.uint16)
+    nearest_train, nearest_distance = np.empty((2, count_q), np.int64)
+    nearest_query = np.zeros(count_t, np.int64)
+    lowest = np.full(count_t, np.iinfo(np.uint16).max, np.uint16)
     for start in range(0, count_q, rows):
         block = words_q[:, start : start + rows]
         size = block.shape[1]
-        distances = np.zeros((size, count_t), np.uint32)
+        found = distances[:size]
+        found.fill(0)
         for word_q, word_t in zip(block, words_t, strict=True):
             np.bitwise_xor(word_q[:, None], word_t[None, :], out=differing[:size])
             np.bitwise_count(differing[:size], out=bits[:size])
-            distances += bits[:size]
-        distances <<= np.uint32(16)
-        nearest_train[start : start + size] = np.min(distances | columns, axis=1)
-        distances |= np.arange(start, start + size, dtype=np.uint32)[:, None]
-        np.minimum(nearest_query, distances.min(axis=0), out=nearest_query)
-    chosen = (nearest_train & 0xFFFF).astype(np.int64)
-    back = (nearest_query & 0xFFFF).astype(np.int64)
-    mutual = np.flatnonzero(back[chosen] == np.arange(count_q))
-    return mutual, chosen[mutual], (nearest_train[mutual] >> np.uint32(16)).astype(np.int64)
+            np.add(found, bits[:size], out=found)
+        nearest_train[start : start + size] = found.argmin(axis=1)
+        nearest_distance[start : start + size] = found.min(axis=1)
+        # Columns whose minimum falls become few after the first blocks.
+        low = found.min(axis=0)
+        fallen = np.flatnonzero(low < lowest)
+        lowest[fallen] = low[fallen]
+        nearest_query[fallen] = found[:, fallen].argmin(axis=0) + start
+    mutual = np.flatnonzero(nearest_query[nearest_train] == np.arange(count_q))
+    return mutual, nearest_train[mutual], nearest_distance[mutual]
 
 
 def _as_words(descriptors: NDArray[np.uint8]) -> NDArray[np.uint64]:

@@ -55,4 +55,4 @@ def test_only_few_cores_prefer_it():
         assert not hamming.available(rows, rows) or cv2.getNumThreads() <= 3
     finally:
         cv2.setNumThreads(before)
-    assert not hamming.available(np.zeros((1 << 16, 1), np.uint8), rows)
+    assert not hamming.available(rows, np.zeros((1 << 16, 32), np.uint8))
