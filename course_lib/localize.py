@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from course_lib import homography
-from course_lib._validate import Image, as_count, as_grey
+from course_lib._validate import Image, as_count, as_grey, as_image
 from course_lib.detectors import Detector, Features, create_detector, detect
 from course_lib.evidence import BELIEVED, log10_false_alarms
 from course_lib.matching import match_brute_force
@@ -408,7 +408,7 @@ def locate_template(
     >>> detection.reason
     'too few keypoints: the template has 0, at least 4 are needed'
     """
-    as_grey(scene, "scene")  # a wrong scene is named as such, and before the work begins
+    as_image(scene, "scene")  # a wrong scene is named as such, and before the work begins
     locator = TemplateLocator(
         template,
         match_count=match_count,
