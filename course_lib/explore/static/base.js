@@ -1,0 +1,113 @@
+/* Shared by every viewer; Python puts this text in front of the viewer's own module. */
+
+/** A binary trait as a typed array of its own (the message's buffer may be unaligned). */
+function typed(model, name, Type = Uint8Array) {
+  const view = model.get(name);
+  return new Type(view.buffer.slice(view.byteOffset, view.byteOffset + view.byteLength));
+}
+
+/** Decode an encoded picture once; a bitmap is drawn without a wait, so no frame is blank. */
+function decode(bytes) {
+  return createImageBitmap(new Blob([bytes]));
+}
+
+/** Colours of the page's theme, for what is drawn on the page's own background. */
+function themeOf(el) {
+  const style = getComputedStyle(el);
+  const [r, g, b] = (style.color.match(/[\d.]+/g) ?? [0, 0, 0]).map(Number);
+  const dark = r + g + b > 384; // light ink means a dark page
+  return {
+    dark,
+    ink: style.color,
+    faint: dark ? "#7d8590" : "#8a939d",
+    panel: dark ? "#20262d" : "#f1f3f5",
+    good: dark ? "#4ade80" : "#15803d",
+    bad: dark ? "#fb7185" : "#c81e3a",
+    accent: dark ? "#60a5fa" : "#1d4ed8",
+    font: style.fontFamily,
+  };
+}
+
+/**
+ * A canvas of fixed size with a line of text under it. `paint(context, scale, theme)` draws all
+ * of it, in CSS pixels, and returns the text. Repaints are asked for with `redraw()`, happen at
+ * most once per animation frame, and in the frame of the event that asked.
+ */
+function createStage({ model, el }, paint, { lines = 1, focusable = false } = {}) {
+  const width = model.get("width");
+  const height = model.get("height");
+  el.classList.add("fm-viewer");
+
+  const canvas = document.createElement("canvas");
+  canvas.style.width = `${width}px`;
+  canvas.style.aspectRatio = `${width} / ${height}`;
+  canvas.setAttribute("role", focusable ? "application" : "img");
+  canvas.setAttribute("aria-label", model.get("alt"));
+  if (focusable) canvas.tabIndex = 0;
+
+  const readout = document.createElement("p");
+  readout.className = "fm-readout";
+  readout.setAttribute("aria-live", "polite");
+  readout.style.height = `${1.4 * lines}em`;
+  el.append(canvas, readout);
+
+  const context = canvas.getContext("2d");
+  let theme = null;
+  let pending = 0;
+
+  function draw() {
+    pending = 0;
+    const scale = window.devicePixelRatio || 1;
+    const pixels = Math.round(width * scale);
+    if (canvas.width !== pixels) {
+      canvas.width = pixels;
+      canvas.height = Math.round(height * scale);
+    }
+    theme ??= themeOf(el);
+    context.setTransform(scale, 0, 0, scale, 0, 0);
+    const text = paint(context, scale, theme);
+    if (readout.textContent !== text) readout.textContent = text;
+  }
+  const redraw = () => {
+    pending ||= requestAnimationFrame(draw);
+  };
+
+  const repaintInNewTheme = () => {
+    theme = null;
+    redraw();
+  };
+  const observer = new MutationObserver(repaintInNewTheme);
+  observer.observe(document.body, { attributeFilter: ["data-jp-theme-name"] });
+  window.addEventListener("resize", redraw); // also fires when the page is zoomed
+
+  const stops = [];
+  return {
+    canvas,
+    context,
+    width,
+    height,
+    redraw,
+    /** Repaint whenever one of these traits changes. */
+    follow(...names) {
+      for (const name of names) {
+        model.on(`change:${name}`, redraw);
+        stops.push(() => model.off(`change:${name}`, redraw));
+      }
+      redraw();
+    },
+    /** Where a pointer event fell, in the canvas's CSS pixels. */
+    locate(event) {
+      const box = canvas.getBoundingClientRect();
+      return [
+        ((event.clientX - box.left) * width) / box.width,
+        ((event.clientY - box.top) * height) / box.height,
+      ];
+    },
+    dispose() {
+      cancelAnimationFrame(pending);
+      observer.disconnect();
+      window.removeEventListener("resize", redraw);
+      for (const stop of stops) stop();
+    },
+  };
+}
