@@ -31,7 +31,7 @@ class OfflineKernelManager(AsyncKernelManager):
         """The kernel's command line: this interpreter, so no kernelspec can point elsewhere."""
         module = "course_lib.publish.offline_kernel"
         return KernelSpec(
-            argv=[sys.executable, "-m", module, "-f", "{connection_file}"],
+            argv=[sys.executable, "-m", module, "-f", "{connection_file}", "--log-level=50"],
             display_name="Python 3 (offline)",
             language="python",
         )
