@@ -29,17 +29,19 @@ exit status: 0 the node ended, 1 it crashed, 2 wrong usage or bag, 3 it had to b
 """
 
 
-def _rate(text: str) -> float | None:
-    if text == "max":
-        return None
+def _positive(text: str) -> float:
     try:
-        rate = float(text)
+        number = float(text)
     except ValueError:
-        rate = 0.0
-    if not rate > 0:
-        msg = f"{text!r} is neither a positive number nor max"
+        number = 0.0
+    if not number > 0:
+        msg = f"{text!r} is not a positive number"
         raise argparse.ArgumentTypeError(msg)
-    return rate
+    return number
+
+
+def _rate(text: str) -> float | None:
+    return None if text == "max" else _positive(text)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -61,12 +63,12 @@ def _parser() -> argparse.ArgumentParser:
         help="pictures per second of wall clock, a slow node misses some; "
         "max: every picture, as quick as the node allows (default)",
     )
-    add("--duration", type=float, metavar="SECONDS", help="stop after this much recorded time")
+    add("--duration", type=_positive, metavar="SECONDS", help="stop after this much recorded time")
     add("--max-frames", type=int, metavar="N", help="stop after N pictures")
     add("--topic", action="append", metavar="TOPIC", help="play only this topic (repeatable)")
     add("--record", type=Path, metavar="OUT.bag|DIR", help="keep what the node publishes")
     add("--keep-going", action="store_true", help="log an error in a callback and go on, as ROS")
-    add("--timeout", type=float, metavar="SECONDS", help="stop after this much wall time")
+    add("--timeout", type=_positive, metavar="SECONDS", help="stop after this much wall time")
     add(
         "--stall",
         type=float,

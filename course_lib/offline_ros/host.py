@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from course_lib.offline_ros.bag import BagSource
 
 _PACKAGE = str(Path(__file__).resolve().parent)
+_MOST_PRINTED = 100_000_000  # bytes
+_MOST_RECORDED = 4_000_000_000
 _TO_RETURN = 3.0  # wall seconds a node gets to return once it was shut down
 
 ENDED, CRASHED, STOPPED, INTERRUPTED = "ended", "crashed", "stopped", "interrupted"
@@ -132,7 +134,10 @@ class Host:
             signal.signal(number, self._interrupt)
         threading.Thread(target=self._watch, daemon=True).start()
         sys.argv = [str(self._node), *self._arguments]
-        sys.path[0] = str(self._node.parent)
+        if sys.flags.safe_path:
+            sys.path.insert(0, str(self._node.parent))
+        else:
+            sys.path[0] = str(self._node.parent)
         outcome, text = self._run_file()
         if self._interrupted:
             outcome, text = INTERRUPTED, ""
@@ -248,12 +253,23 @@ class Host:
                 self._stop(ENDED, "the node did not return when it was shut down; it was stopped")
             elif limits.timeout is not None and now - self._started > limits.timeout:
                 self._stop(STOPPED, f"the node still ran after {limits.timeout:g} s")
+            elif excess := self._excess():
+                self._stop(STOPPED, excess)
             elif limits.stall is not None and now - alive > limits.stall:
                 self._stop(
                     STOPPED,
                     f"the node has waited for nothing in {limits.stall:g} s: no message can "
                     "arrive before it calls rospy.spin(), rate.sleep() or rospy.sleep()",
                 )
+
+    def _excess(self) -> str:
+        """Say what the node has too much of: an endless loop must not fill the disk."""
+        printed = os.fstat(1)
+        if self._limits.with_parent and printed.st_size > _MOST_PRINTED:
+            return f"the node printed more than {_MOST_PRINTED // 10**6} MB"
+        if self._recorder and self._recorder.path.stat().st_size > _MOST_RECORDED:
+            return f"the node published more than {_MOST_RECORDED // 10**9} GB"
+        return ""
 
     def _stop(self, outcome: str, text: str) -> None:
         frame = sys._current_frames().get(threading.main_thread().ident or 0)  # noqa: SLF001

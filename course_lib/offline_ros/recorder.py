@@ -33,6 +33,7 @@ class Recorder:
 
     def __init__(self, path: Path, keep: Collection[str] | None = None) -> None:
         self._keep = None if keep is None else {*keep, *HIDDEN}
+        self.path = path
         path.unlink(missing_ok=True)
         self._writer: Writer | None = Writer(path)
         self._writer.open()

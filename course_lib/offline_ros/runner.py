@@ -87,6 +87,8 @@ def run_node(
     ------
     FileNotFoundError
         When there is no such node file.
+    ValueError
+        When a limit is not positive or a parameter's name is global.
     BagError
         When the bag is missing, unreadable or has none of these topics.
     NodeError
@@ -96,31 +98,27 @@ def run_node(
     if not node.is_file():
         msg = f"there is no node file {node}"
         raise FileNotFoundError(msg)
-    arguments = [f"{left}:={right}" for left, right in (remap or {}).items()]
-    arguments += [f"_{name.lstrip('~_')}:={_yaml(value)}" for name, value in (params or {}).items()]
-    options: list[str] = ["--quiet", "--with-parent", f"--bag={find_bag(bag)}"]
+    limits = {
+        "timeout": timeout,
+        "max-frames": max_frames,
+        "rate": rate,
+        "duration": duration,
+    }
+    options = ["--quiet", "--with-parent", f"--bag={find_bag(bag)}", f"--stall={stall or 0}"]
+    options += _limits(limits)
     options += [f"--topic={topic}" for topic in topics or ()]
     options += [f"--keep={topic}" for topic in keep or ()]
-    for name, value in (
-        ("timeout", timeout),
-        ("max-frames", max_frames),
-        ("rate", rate),
-        ("duration", duration),
-        ("stall", stall or 0),
-    ):
-        if value is not None:
-            options.append(f"--{name}={value}")
     if keep_going:
         options.append("--keep-going")
 
     folder = TemporaryDirectory(prefix="offline_ros_")
     record = Path(folder.name) / "recording.bag"
     printed = Path(folder.name) / "output.txt"
-    command = [sys.executable, "-m", "course_lib.offline_ros", f"--record={record}"]
     played = Path(folder.name) / "played.txt" if progress else None
     if played:
         options.append(f"--progress={played}")
-    status = _run([*command, *options, str(node), *arguments], printed, played)
+    command = [sys.executable, "-m", "course_lib.offline_ros", f"--record={record}", *options]
+    status = _run([*command, str(node), *_arguments(remap or {}, params or {})], printed, played)
     output = _tail(printed)
     if status == 2 and not record.exists():
         raise BagError(output.rpartition("error: ")[2].strip())
@@ -137,6 +135,23 @@ def run_node(
             f"{node.name} {verb}", traceback=recording.outcome["text"], recording=recording
         )
     return recording
+
+
+def _limits(limits: Mapping[str, float | None]) -> list[str]:
+    for name, value in limits.items():
+        if value is not None and not value > 0:
+            msg = f"{name.replace('-', '_')} must be positive, not {value}"
+            raise ValueError(msg)
+    return [f"--{name}={value}" for name, value in limits.items() if value is not None]
+
+
+def _arguments(remap: Mapping[str, str], params: Mapping[str, Any]) -> list[str]:
+    for name in params:
+        if name.startswith("/"):
+            msg = f"a node's parameters are private: give {name.rpartition('/')[2]!r}, not {name!r}"
+            raise ValueError(msg)
+    remaps = [f"{left}:={right}" for left, right in remap.items()]
+    return remaps + [f"_{name.lstrip('~_')}:={_yaml(value)}" for name, value in params.items()]
 
 
 def _yaml(value: object) -> str:
@@ -165,7 +180,7 @@ def _run(command: list[str], printed: Path, played: Path | None) -> int:
     environment = dict(os.environ)
     paths = [str(_ROOT), environment.get("PYTHONPATH", "")]
     environment["PYTHONPATH"] = os.pathsep.join(filter(None, paths))
-    environment["PYTHONUNBUFFERED"] = "1"
+    environment |= {"PYTHONUNBUFFERED": "1", "PYTHONIOENCODING": "utf-8"}
     # A kernel's inline backend does not work outside it.
     environment["MPLBACKEND"] = "Agg"
     with printed.open("wb") as output:

@@ -43,7 +43,7 @@ def test_command_records_what_can_be_read_back(bag: Path, tmp_path: Path) -> Non
 def test_command_tells_wrong_usage(bag: Path) -> None:
     assert command("none.py").returncode == 2
     assert (
-        "neither a positive number nor max"
+        "'-1' is not a positive number"
         in command(NODES / "talker.py", "--bag", bag, "--rate=-1").stderr
     )
     assert "overwrite" in command(NODES / "talker.py", "--bag", bag, "--record", bag).stderr

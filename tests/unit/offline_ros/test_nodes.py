@@ -299,3 +299,26 @@ def test_a_picture_is_taken_by_a_node_that_ends_by_itself(bag: Path, tmp_path: P
     assert recording.output == "/camera/rgb/image_raw\n"
     assert recording.outcome["reason"] == "the node has returned"
     np.testing.assert_array_equal(cv2.imread(str(tmp_path / "photo.png")), frame(7))
+
+
+def test_a_node_that_floods_the_disk_is_stopped(bag: Path, tmp_path: Path) -> None:
+    node = tmp_path / "flood.py"
+    node.write_text("text = 'x' * 1_000_000\nwhile True:\n    print(text)\n")
+    with pytest.raises(NodeError, match="the node printed more than 100 MB") as caught:
+        run_node(node, bag=bag)
+    assert caught.value.recording is not None
+    assert len(caught.value.recording.output) <= 1_000_000
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"params": {"/match_count": 5}}, "private: give 'match_count'"),
+        ({"max_frames": 0}, "max_frames must be positive, not 0"),
+        ({"timeout": -1.0}, "timeout must be positive"),
+        ({"rate": float("nan")}, "rate must be positive"),
+    ],
+)
+def test_wrong_options(bag: Path, options: dict[str, object], said: str) -> None:
+    with pytest.raises(ValueError, match=said):
+        run_node(NODES / "talker.py", bag=bag, **options)  # type: ignore[arg-type]
