@@ -107,7 +107,7 @@ def detect(detector: SupportsDetectAndCompute, grey: Image, max_pixels: int) -> 
     """
     Find and describe keypoints, on a reduced copy when the picture is larger than ``max_pixels``.
 
-    Memory grows with the picture (SIFT holds about 150 bytes for each pixel), so a limit on the
+    Memory grows with the picture (SIFT holds about 250 bytes for each pixel), so a limit on the
     pixels is a limit on memory. Keypoints are mapped back to the whole picture.
 
     Parameters

@@ -15,7 +15,7 @@ from course_lib.evidence import BELIEVED, log10_false_alarms
 from course_lib.matching import match_brute_force
 from course_lib.outline import outline_fault
 from course_lib.pairs import Pairs
-from course_lib.refine import keypoint_noise, point_sigma, refine
+from course_lib.refine import Refined, keypoint_noise, refine, similarity
 from course_lib.voting import groups
 
 if TYPE_CHECKING:
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-# Larger pictures are searched in a reduced copy: about 4000 x 3000.
-MAX_PIXELS = 12_000_000
+# Larger pictures are searched in a reduced copy: SIFT then needs about 2 GB, ORB 100 MB.
+MAX_PIXELS = 8_000_000
 
 # Four pairs fit some homography exactly, so fewer than this proves nothing.
 MIN_MATCHES = 4
@@ -181,6 +181,7 @@ class TemplateLocator:
         default_norm = getattr(self.detector, "defaultNorm", lambda: None)
         self.norm = default_norm() if norm is None else norm
         self.template = detect(self.detector, as_grey(template, "template"), self.max_pixels)
+        self._corners = homography.template_corners(self.template.size).astype(np.float64)
 
     def locate(self, frame: Image) -> Detection:
         """
@@ -226,35 +227,46 @@ class TemplateLocator:
 
     def _judge(self, scene: Features, matches: tuple[cv2.DMatch, ...]) -> Detection:
         pairs = Pairs.of(matches, self.template, scene)
-        best: tuple[int, homography.Matrix, NDArray[np.bool_], str] | None = None
+        best: tuple[int, Refined, NDArray[np.bool_], str] | None = None
         for members in self._candidates(pairs):
-            fit = self._fit(pairs, members)
+            fit = self._fit(pairs, members, scene.size)
             if fit is None:
                 continue
-            H, inliers = fit
-            fault = outline_fault(H, self.template.size, scene.size) or ""
+            refined, inliers, fault = fit
             # A possible outline is better than any impossible one.
             score = int(np.count_nonzero(inliers)) - (len(matches) + 1 if fault else 0)
             if best is None or score > best[0]:
-                best = (score, H, inliers, fault)
+                best = (score, refined, inliers, fault)
         if best is None:
             return self._nothing("RANSAC failed: no homography fits the matches", scene, matches)
-        _, H, inliers, fault = best
+        _, refined, inliers, fault = best
         count = int(np.count_nonzero(inliers))
+        alarms = np.inf
         if count < self.min_inliers:
             fault = (
                 f"too few inliers: {count} of {len(matches)} matches, "
                 f"at least {self.min_inliers} are needed"
             )
+        if not fault:
+            alarms = log10_false_alarms(
+                refined.H, pairs, inliers, scene.points, scene.size, self.ransac_threshold
+            )
+            if alarms > BELIEVED:
+                fault = f"too few inliers: chance can make {count} of {len(matches)} matches agree"
         if fault:
-            return self._nothing(fault, scene, matches, inliers)
-        alarms = log10_false_alarms(
-            H, pairs, inliers, scene.points, scene.size, self.ransac_threshold
+            return self._nothing(fault, scene, matches, inliers, alarms)
+        return Detection(
+            found=True,
+            reason="",
+            corners=homography.project(refined.H, self._corners).astype(np.float32),
+            homography=refined.H,
+            matches=matches,
+            inliers=inliers,
+            template_keypoints=self.template.keypoints,
+            scene_keypoints=scene.keypoints,
+            log10_false_alarms=alarms,
+            corner_sigma=float(refined.sigma.max()),
         )
-        if alarms > BELIEVED:
-            reason = f"too few inliers: chance can make {count} of {len(matches)} matches agree"
-            return self._nothing(reason, scene, matches, inliers, alarms)
-        return self._polished(pairs, H, inliers, scene, matches, alarms)
 
     def _candidates(self, pairs: Pairs) -> Iterator[NDArray[np.intp]]:
         """Yield the sets of matches that RANSAC is tried upon."""
@@ -264,8 +276,9 @@ class TemplateLocator:
             yield np.arange(len(pairs))
 
     def _fit(
-        self, pairs: Pairs, members: NDArray[np.intp]
-    ) -> tuple[homography.Matrix, NDArray[np.bool_]] | None:
+        self, pairs: Pairs, members: NDArray[np.intp], scene_size: tuple[int, int]
+    ) -> tuple[Refined, NDArray[np.bool_], str] | None:
+        """Return the polished homography, its inliers, and what is wrong with it, if anything."""
         source, target = pairs.template_points, pairs.scene_points
         H = homography.estimate(
             source[members],
@@ -279,62 +292,41 @@ class TemplateLocator:
         if H is None:
             return None
         inliers = self._inliers(H, pairs)
+        if np.count_nonzero(inliers) < MIN_MATCHES:
+            return None
+        if outline_fault(H, self.template.size, scene_size):
+            # Too few inliers, too close together, for their perspective to mean anything.
+            H = similarity(source[inliers], target[inliers])
+        refined: Refined | None = None
         # The group was an approximation: inliers outside it widen the support.
         for _ in range(2):
-            wider = homography.estimate(source[inliers], target[inliers], method=0, threshold=0)
-            if wider is None:
+            noise = keypoint_noise(H, source[inliers], pairs.noise[inliers])
+            polished = refine(H, source[inliers], target[inliers], noise, self._corners)
+            if polished is None:
                 break
-            grown = self._inliers(wider, pairs)
-            if np.count_nonzero(grown) < np.count_nonzero(inliers):
+            refined, H = polished, polished.H
+            inliers = self._inliers(H, pairs)
+            if np.count_nonzero(inliers) < MIN_MATCHES:
                 break
-            H, inliers = wider, grown
-        return H, inliers
+        if refined is None:
+            return None
+        fault = outline_fault(H, self.template.size, scene_size) or self._vagueness(refined)
+        return refined, inliers, fault
+
+    def _vagueness(self, refined: Refined) -> str:
+        """Say so if the inliers leave the outline open."""
+        area = cv2.contourArea(homography.project(refined.H, self._corners).astype(np.float32))
+        sigma = float(refined.sigma.max())
+        if sigma <= MAX_RELATIVE_SIGMA * np.sqrt(area):
+            return ""
+        return (
+            "degenerate inliers: they cover too little of the template to fix its corners "
+            f"(uncertain by {sigma:.0f} pixels)"
+        )
 
     def _inliers(self, H: homography.Matrix, pairs: Pairs) -> NDArray[np.bool_]:
         errors = homography.reprojection_errors(H, pairs.template_points, pairs.scene_points)
         return errors <= self.ransac_threshold
-
-    def _polished(
-        self,
-        pairs: Pairs,
-        H: homography.Matrix,
-        inliers: NDArray[np.bool_],
-        scene: Features,
-        matches: tuple[cv2.DMatch, ...],
-        alarms: float,
-    ) -> Detection:
-        source, target = pairs.template_points[inliers], pairs.scene_points[inliers]
-        noise = keypoint_noise(H, source, pairs.noise[inliers])
-        polished = refine(H, source, target, noise)
-        if polished is None:
-            reason = "degenerate inliers: they do not fix a homography"
-            return self._nothing(reason, scene, matches, inliers, alarms)
-        H, covariance = polished
-        inliers = self._inliers(H, pairs)
-        fault = outline_fault(H, self.template.size, scene.size)
-        if fault:
-            return self._nothing(fault, scene, matches, inliers, alarms)
-        template_corners = homography.template_corners(self.template.size).astype(np.float64)
-        corners = homography.project(H, template_corners).astype(np.float32)
-        sigma = float(point_sigma(H, covariance, template_corners).max())
-        if sigma > MAX_RELATIVE_SIGMA * np.sqrt(cv2.contourArea(corners)):
-            reason = (
-                "degenerate inliers: they cover too little of the template to fix its corners "
-                f"(uncertain by {sigma:.0f} pixels)"
-            )
-            return self._nothing(reason, scene, matches, inliers, alarms)
-        return Detection(
-            found=True,
-            reason="",
-            corners=corners,
-            homography=H,
-            matches=matches,
-            inliers=inliers,
-            template_keypoints=self.template.keypoints,
-            scene_keypoints=scene.keypoints,
-            log10_false_alarms=alarms,
-            corner_sigma=sigma,
-        )
 
     def _nothing(
         self,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,6 +16,29 @@ CAUCHY_SCALE = 1.0
 # ORB's and SIFT's keypoints are localised to about 1/30 of their size (one pixel of their octave).
 NOISE_PER_SIZE = 1 / 31
 MIN_NOISE = 0.3
+
+# What is believed of a view before any match is seen, as standard deviations. Relative change of
+# depth across the template: seen from two diagonals away and tilted by 45 degrees, a third.
+PERSPECTIVE_SIGMA = 0.3
+# Departure from a similarity: tilting by 45 degrees shortens one direction by 0.7.
+SHAPE_SIGMA = 0.35
+
+
+@dataclass(frozen=True, eq=False)
+class Refined:
+    """
+    A polished homography.
+
+    Attributes
+    ----------
+    H : ndarray of float64, shape (3, 3)
+        H_scene_from_template, H[2, 2] = 1.
+    sigma : ndarray of float64, shape (4,)
+        Standard deviations of the template's mapped corners in scene pixels.
+    """
+
+    H: Matrix
+    sigma: NDArray[np.float64]
 
 
 def keypoint_noise(H: Matrix, template_points: Matrix, sizes: Matrix) -> NDArray[np.float64]:
@@ -41,82 +66,108 @@ def refine(
     template_points: Matrix,
     scene_points: Matrix,
     noise: NDArray[np.float64],
+    corners: Matrix,
     *,
-    iterations: int = 5,
-) -> tuple[Matrix, Matrix] | None:
+    iterations: int = 6,
+) -> Refined | None:
     """
-    Minimise the reprojection error, robustly and weighted by each match's noise.
+    Minimise the reprojection error, robustly, weighted by noise, with a prior on the view.
 
     A coarse octave's keypoint is off by several pixels where a fine one's is off by one; treating
-    them alike, as a plain least-squares fit does, spoils the corners.
+    them alike, as a plain least-squares fit does, spoils the corners. And few inliers, or inliers
+    along a line, leave tilt and perspective open, which a plain fit makes up from noise; a weak
+    prior, the view of an object from straight ahead, fills in only what they leave open.
 
     Parameters
     ----------
     H : ndarray, shape (3, 3)
-        Start; H[2, 2] is 1.
+        Start.
     template_points, scene_points : ndarray, shape (N, 2)
         Inliers.
     noise : ndarray, shape (N,)
         Expected error of each, in scene pixels.
+    corners : ndarray, shape (4, 2)
+        The template's corners.
     iterations : int
         Gauss-Newton steps.
 
     Returns
     -------
-    (H, covariance) or None
-        Covariance (8, 8) of the first eight entries of H, row by row. None when the inliers do
-        not fix a homography.
+    Refined or None
+        None when the steps lead nowhere.
     """
-    # Columns differ by a factor of about size^2; without this the normal equations are useless.
-    reach = max(float(np.abs(template_points).max()), 1.0)
-    unit = np.array([reach, reach, 1, reach, reach, 1, reach**2, reach**2])
+    # Coordinates in which the eight parameters mean something: around the template's centre, in
+    # units of its diagonal, and around where that centre is in the scene.
+    centre = corners.mean(axis=0)
+    extent = float(np.linalg.norm(corners[2] - corners[0])) + 1.0
+    origin = project(H, centre[None])[0]
+    to_unit = np.array([[1, 0, -centre[0]], [0, 1, -centre[1]], [0, 0, extent]]) / extent
+    to_scene = np.array([[1, 0, origin[0]], [0, 1, origin[1]], [0, 0, 1]])
+    G = np.linalg.inv(to_scene) @ H @ np.linalg.inv(to_unit)
+    G /= G[2, 2]
+    source, target = project(to_unit, template_points), scene_points - origin
+    spare = max(2 * len(source) - 8, 1)
     for _ in range(iterations):
-        J = _derivatives(H, template_points) / unit
-        residuals = scene_points - project(H, template_points)
+        J = _derivatives(G, source)
+        residuals = target - project(G, source)
         distances = np.linalg.norm(residuals, axis=1) / noise
         weights = 1 / (noise**2 * (1 + (distances / CAUCHY_SCALE) ** 2))
-        normal = np.einsum("nai,n,naj->ij", J, weights, J)
+        # If residuals are larger than the assumed noise, the noise was larger; never smaller.
+        weights /= max(float(np.sum(weights[:, None] * residuals**2)) / spare, 1.0)
+        beliefs = _beliefs(G)
+        normal = np.einsum("nai,n,naj->ij", J, weights, J) + beliefs.T @ beliefs
         gradient = np.einsum("nai,n,na->i", J, weights, residuals)
+        gradient -= beliefs.T @ (beliefs @ G.ravel()[:8])
         try:
-            step = np.linalg.solve(normal, gradient) / unit
-            covariance = np.linalg.inv(normal) / np.outer(unit, unit)
+            covariance = np.linalg.inv(normal)
         except np.linalg.LinAlgError:
             return None
-        H = H + np.append(step, 0).reshape(3, 3)
-        if not np.isfinite(H).all():
+        G = G + np.append(covariance @ gradient, 0).reshape(3, 3)
+        if not np.isfinite(G).all():
             return None
-    # Residuals tell whether the assumed noise was too small; never call the result better.
-    spare = max(2 * len(residuals) - 8, 1)
-    excess = float(np.sum(weights[:, None] * residuals**2)) / spare
-    return H, covariance * max(excess, 1.0)
+    probes = _derivatives(G, project(to_unit, corners))
+    sigma = np.sqrt(np.einsum("nai,ij,naj->n", probes, covariance, probes))
+    polished = to_scene @ G @ to_unit
+    if abs(polished[2, 2]) < 1e-12 or not np.isfinite(sigma).all():
+        return None
+    return Refined(polished / polished[2, 2], sigma)
 
 
-def point_sigma(H: Matrix, covariance: Matrix, points: Matrix) -> NDArray[np.float64]:
+def similarity(template_points: Matrix, scene_points: Matrix) -> Matrix:
     """
-    Return how uncertain mapped points are.
+    Return the least-squares similarity as a homography: the start that never folds.
 
     Parameters
     ----------
-    H : ndarray, shape (3, 3)
-    covariance : ndarray, shape (8, 8)
-        From :func:`refine`.
-    points : ndarray, shape (N, 2)
+    template_points, scene_points : ndarray, shape (N, 2)
 
     Returns
     -------
-    ndarray of float64, shape (N,)
-        Standard deviation in scene pixels, both coordinates together.
+    ndarray of float64, shape (3, 3)
     """
-    J = _derivatives(H, points)
-    variance = np.einsum("nai,ij,naj->n", J, covariance, J)
-    return np.asarray(np.sqrt(np.maximum(variance, 0)), np.float64)
+    source, target = (points @ [1, 1j] for points in (template_points, scene_points))
+    around = source - source.mean()
+    # np.vdot conjugates its first argument; a sole spot has no scale, so leave it alone.
+    z = np.vdot(around, target) / max(float(np.vdot(around, around).real), 1e-9) or 1.0
+    shift = target.mean() - z * source.mean()
+    return np.array([[z.real, -z.imag, shift.real], [z.imag, z.real, shift.imag], [0, 0, 1.0]])
 
 
-def _derivatives(H: Matrix, points: Matrix) -> Matrix:
-    """Return d(mapped x, y) / d(h11 ... h32), shape (N, 2, 8)."""
+def _beliefs(G: Matrix) -> Matrix:
+    """Return the prior as rows that, times the parameters, give standard normal numbers."""
+    size = np.sqrt(abs(G[0, 0] * G[1, 1] - G[0, 1] * G[1, 0])) + 1e-9
+    rows = np.zeros((4, 8))
+    rows[0, [0, 4]] = np.array([1, -1]) / (size * SHAPE_SIGMA)
+    rows[1, [1, 3]] = 1 / (size * SHAPE_SIGMA)
+    rows[2, 6] = rows[3, 7] = 1 / PERSPECTIVE_SIGMA
+    return rows
+
+
+def _derivatives(G: Matrix, points: Matrix) -> Matrix:
+    """Return d(mapped x, y) / d(g11 ... g32), shape (N, 2, 8)."""
     x, y = points[:, 0], points[:, 1]
-    mapped = project(H, points)
-    inverse = 1 / (points @ H[2, :2] + 1)
+    mapped = project(G, points)
+    inverse = 1 / (points @ G[2, :2] + 1)
     J = np.zeros((len(points), 2, 8))
     J[:, 0, 0] = J[:, 1, 3] = x * inverse
     J[:, 0, 1] = J[:, 1, 4] = y * inverse
