@@ -7,8 +7,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from conftest import START_NS
 from rosbags.rosbag1 import Writer
+from synthetic_bag import START_NS
 
 from course_lib.offline_ros import NodeError, run_node
 from course_lib.offline_ros.messages import STORE, message_class

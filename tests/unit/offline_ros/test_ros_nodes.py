@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import cv2
 import numpy as np
 import pytest
-from conftest import FRAME_NS, NODES, START_NS, frame, write_bag
+from synthetic_bag import FRAME_NS, NODES, START_NS, frame, write_bag
 
 from course_lib.offline_ros import BagError, NodeError, run_node
 from course_lib.offline_ros.modules.cv_bridge import CvBridge

@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 
 import pytest
-from conftest import NODES
+from synthetic_bag import NODES
 
 from course_lib.offline_ros import Recording
 

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from conftest import FRAME_NS, START_NS, frame
 from rosbags.convert import convert
 from rosbags.rosbag1 import Writer
 from rosbags.typesys import Stores, get_typestore
+from synthetic_bag import FRAME_NS, START_NS, frame
 
 from course_lib.offline_ros import BagError, NodeError, Recording, run_node
 from course_lib.offline_ros.messages import STORE, message_class
