@@ -136,10 +136,13 @@ def main(argv: list[str] | None = None) -> int:
         keep_going=options.keep_going,
     )
     done = threading.Event()
+    bar = threading.Thread(target=_show_progress, args=(host.runtime, done), daemon=True)
     if not options.quiet and sys.stderr.isatty():
-        threading.Thread(target=_show_progress, args=(host.runtime, done), daemon=True).start()
+        bar.start()
     status = host.run()
     done.set()
+    if bar.is_alive():
+        bar.join()
     if not options.quiet:
         print(host.summary(), file=sys.stderr)  # noqa: T201  (this is a command)
     return status

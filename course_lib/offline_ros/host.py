@@ -227,7 +227,7 @@ class Host:
 
     def _interrupt(self, _number: int, _frame: FrameType | None) -> None:
         if self._ending is not None:
-            os._exit(STATUS[INTERRUPTED])
+            _leave(INTERRUPTED)
         self._ending = time.monotonic()
         self._interrupted = True
         raise KeyboardInterrupt
@@ -247,7 +247,7 @@ class Host:
                 self._ending = now
             limits = self._limits
             if limits.with_parent and os.getppid() != parent:
-                os._exit(STATUS[STOPPED])
+                _leave(STOPPED)
             if self._ending is not None and now - self._ending > _TO_RETURN:
                 # ROS would kill it; all it published is recorded.
                 self._stop(ENDED, "the node did not return when it was shut down; it was stopped")
@@ -276,7 +276,13 @@ class Host:
         stack = [f for f in traceback.extract_stack(frame) if _is_nodes(f.filename)]
         where = _from_folder("".join(traceback.format_list(stack)), self._node.parent)
         self._finish(outcome, f"{text}. It was here:\n{where}" if where else text)
-        os._exit(STATUS[outcome])
+        _leave(outcome)
+
+
+def _leave(outcome: str) -> None:
+    if sys.stderr.isatty():
+        os.write(2, b"\033[?25h")  # a progress bar has hidden the cursor
+    os._exit(STATUS[outcome])
 
 
 def _is_nodes(filename: str) -> bool:

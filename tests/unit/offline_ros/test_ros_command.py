@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import pty
 import subprocess
 import sys
 import threading
@@ -116,3 +118,40 @@ def _until(condition, seconds: float = 20.0) -> None:
     while not condition():
         assert time.monotonic() < end, "it did not happen in time"
         threading.Event().wait(0.05)
+
+
+def test_a_terminal_gets_a_progress_bar_and_its_cursor_back(bag: Path) -> None:
+    terminal, its_end = pty.openpty()
+    process = subprocess.Popen(
+        [
+            sys.executable,
+            "-m",
+            "course_lib.offline_ros",
+            NODES / "window.py",
+            "--bag",
+            bag,
+            "--rate=20",
+        ],
+        stdout=subprocess.DEVNULL,
+        stderr=its_end,
+    )
+    os.close(its_end)
+    shown = b""
+    try:
+        while part := _read(terminal):
+            shown += part
+        assert process.wait(20) == 0
+    finally:
+        process.kill()
+        process.wait()
+        os.close(terminal)
+    assert b"/20" in shown
+    assert shown.rpartition(b"\x1b[?25")[2].startswith(b"h")
+    assert b"20 pictures in " in shown.splitlines()[-1]
+
+
+def _read(terminal: int) -> bytes:
+    try:
+        return os.read(terminal, 4096)
+    except OSError:  # Linux's way of saying that the other end is closed
+        return b""
