@@ -305,8 +305,8 @@ class TemplateLocator:
             if polished is None:
                 break
             refined, H = polished, polished.H
-            inliers = self._inliers(H, pairs)
-            if np.count_nonzero(inliers) < MIN_MATCHES:
+            before, inliers = inliers, self._inliers(H, pairs)
+            if np.array_equal(before, inliers) or np.count_nonzero(inliers) < MIN_MATCHES:
                 break
         if refined is None:
             return None

@@ -23,6 +23,9 @@ PERSPECTIVE_SIGMA = 0.3
 # Departure from a similarity: tilting by 45 degrees shortens one direction by 0.7.
 SHAPE_SIGMA = 0.35
 
+# A step that moves nothing by more than this many pixels ends the iteration.
+ENOUGH = 0.02
+
 
 @dataclass(frozen=True, eq=False)
 class Refined:
@@ -68,7 +71,7 @@ def refine(
     noise: NDArray[np.float64],
     corners: Matrix,
     *,
-    iterations: int = 6,
+    iterations: int = 8,
 ) -> Refined | None:
     """
     Minimise the reprojection error, robustly, weighted by noise, with a prior on the view.
@@ -89,7 +92,7 @@ def refine(
     corners : ndarray, shape (4, 2)
         The template's corners.
     iterations : int
-        Gauss-Newton steps.
+        Gauss-Newton steps, at most.
 
     Returns
     -------
@@ -108,24 +111,28 @@ def refine(
     source, target = project(to_unit, template_points), scene_points - origin
     spare = max(2 * len(source) - 8, 1)
     for _ in range(iterations):
-        J = _derivatives(G, source)
-        residuals = target - project(G, source)
-        distances = np.linalg.norm(residuals, axis=1) / noise
-        weights = 1 / (noise**2 * (1 + (distances / CAUCHY_SCALE) ** 2))
+        mapped, J = _map(G, source)
+        residuals = target - mapped
+        squares = np.einsum("na,na->n", residuals, residuals)
+        weights = 1 / (noise**2 + squares / CAUCHY_SCALE**2)
         # If residuals are larger than the assumed noise, the noise was larger; never smaller.
-        weights /= max(float(np.sum(weights[:, None] * residuals**2)) / spare, 1.0)
+        weights /= max(float(weights @ squares) / spare, 1.0)
         beliefs = _beliefs(G)
-        normal = np.einsum("nai,n,naj->ij", J, weights, J) + beliefs.T @ beliefs
-        gradient = np.einsum("nai,n,na->i", J, weights, residuals)
-        gradient -= beliefs.T @ (beliefs @ G.ravel()[:8])
+        weighted = (J * weights[:, None, None]).reshape(-1, 8)
+        normal = weighted.T @ J.reshape(-1, 8) + beliefs.T @ beliefs
+        gradient = weighted.T @ residuals.ravel() - beliefs.T @ (beliefs @ G.ravel()[:8])
         try:
             covariance = np.linalg.inv(normal)
         except np.linalg.LinAlgError:
             return None
-        G = G + np.append(covariance @ gradient, 0).reshape(3, 3)
-        if not np.isfinite(G).all():
+        step = covariance @ gradient
+        G = G + np.append(step, 0).reshape(3, 3)
+        if not np.isfinite(step).all():
             return None
-    probes = _derivatives(G, project(to_unit, corners))
+        # In these units the first six parameters are pixels at the template's rim.
+        if np.abs(step).max() < ENOUGH:
+            break
+    _, probes = _map(G, project(to_unit, corners))
     sigma = np.sqrt(np.einsum("nai,ij,naj->n", probes, covariance, probes))
     polished = to_scene @ G @ to_unit
     if abs(polished[2, 2]) < 1e-12 or not np.isfinite(sigma).all():
@@ -163,15 +170,14 @@ def _beliefs(G: Matrix) -> Matrix:
     return rows
 
 
-def _derivatives(G: Matrix, points: Matrix) -> Matrix:
-    """Return d(mapped x, y) / d(g11 ... g32), shape (N, 2, 8)."""
-    x, y = points[:, 0], points[:, 1]
-    mapped = project(G, points)
-    inverse = 1 / (points @ G[2, :2] + 1)
-    J = np.zeros((len(points), 2, 8))
-    J[:, 0, 0] = J[:, 1, 3] = x * inverse
-    J[:, 0, 1] = J[:, 1, 4] = y * inverse
-    J[:, 0, 2] = J[:, 1, 5] = inverse
-    J[:, :, 6] = -mapped * (x * inverse)[:, None]
-    J[:, :, 7] = -mapped * (y * inverse)[:, None]
-    return J
+def _map(G: Matrix, points: Matrix) -> tuple[Matrix, Matrix]:
+    """Return the mapped points (N, 2), and their derivatives by g11 ... g32, (N, 2, 8)."""
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        inverse = 1 / (points @ G[2, :2] + 1)
+        mapped = (points @ G[:2, :2].T + G[:2, 2]) * inverse[:, None]
+        # (x, y, 1) over the depth: the derivative by one row of G.
+        row = np.column_stack([points, np.ones(len(points))]) * inverse[:, None]
+        J = np.zeros((len(points), 2, 8))
+        J[:, 0, 0:3] = J[:, 1, 3:6] = row
+        J[:, :, 6:] = -mapped[:, :, None] * row[:, None, :2]
+    return mapped, J
