@@ -9,7 +9,8 @@ Parameters (private):
   ~show         open a window, where there is a display (default false)
 
 Publishes /object/image (sensor_msgs/Image: the frame, the object outlined) and /object/corners
-(geometry_msgs/PolygonStamped, in pixels, with the frame's stamp; no points: not found).
+(geometry_msgs/PolygonStamped, in pixels, with the frame's stamp; no points: not found) and
+/object/inliers (std_msgs/Int32: how many matches agree on where the object is).
 """
 
 import os
@@ -21,6 +22,7 @@ import rospy
 from cv_bridge import CvBridge, CvBridgeError
 from geometry_msgs.msg import Point32, PolygonStamped
 from sensor_msgs.msg import Image
+from std_msgs.msg import Int32
 
 MIN_INLIERS = 8
 
@@ -50,26 +52,30 @@ class ObjectFinder:
         self.outline = np.float32([[0, 0], [0, h - 1], [w - 1, h - 1], [w - 1, 0]])
 
     def find(self, frame):
-        """Give the object's four corners in a BGR frame, or None when it is not there."""
+        """Give the object's corners in a BGR frame (None: not there) and the number of inliers."""
         gray = cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY)
         keypoints, descriptors = self.orb.detectAndCompute(gray, None)
         if descriptors is None:  # sky, fog, a wall: nothing to match
-            return None
+            return None, 0
         matches = self.matcher.match(self.descriptors, descriptors)
         matches = sorted(matches, key=lambda match: match.distance)[: self.match_count]
         if len(matches) < 4:  # a homography needs four points
-            return None
+            return None, 0
         source = np.float32([self.keypoints[m.queryIdx].pt for m in matches])
         target = np.float32([keypoints[m.trainIdx].pt for m in matches])
-        homography, inliers = cv2.findHomography(source, target, cv2.RANSAC, 5.0)
-        if homography is None or inliers.sum() < MIN_INLIERS:
-            return None
+        homography, mask = cv2.findHomography(source, target, cv2.RANSAC, 5.0)
+        if homography is None:
+            return None, 0
+        inliers = int(mask.sum())
         corners = cv2.perspectiveTransform(self.outline[:, None], homography)[:, 0]
-        # A wrong homography folds the outline or shrinks it to nothing.
+        return (corners if inliers >= MIN_INLIERS and self.plausible(corners) else None), inliers
+
+    def plausible(self, corners):
+        """Tell whether this can be the object: a wrong homography folds or bloats its outline."""
         if not np.isfinite(corners).all() or not cv2.isContourConvex(corners):
-            return None
+            return False
         before, after = (cv2.contourArea(c, oriented=True) for c in (self.outline, corners))
-        return corners if after / before > 0.01 else None
+        return 0.01 < after / before < 100  # below zero: mirrored
 
 
 class ObjectNode:
@@ -82,9 +88,12 @@ class ObjectNode:
             raise ValueError(f"{template_file} is not a picture")
         self.finder = ObjectFinder(template, rospy.get_param("~match_count", 100))
         self.show = rospy.get_param("~show", default=False) and "DISPLAY" in os.environ
+        if self.show:
+            rospy.on_shutdown(cv2.destroyAllWindows)
         self.bridge = CvBridge()
         self.image_publisher = rospy.Publisher("/object/image", Image, queue_size=1)
         self.corners_publisher = rospy.Publisher("/object/corners", PolygonStamped, queue_size=1)
+        self.inliers_publisher = rospy.Publisher("/object/inliers", Int32, queue_size=1)
         topic = rospy.get_param("~image_topic", "/camera/rgb/image_raw")
         # A picture is bigger than the default buffer: without buff_size old ones pile up there.
         rospy.Subscriber(topic, Image, self.on_image, queue_size=1, buff_size=2**24)
@@ -97,7 +106,7 @@ class ObjectNode:
         except CvBridgeError as error:
             rospy.logerr("frame left out: %s", error)
             return
-        corners = self.finder.find(frame)
+        corners, inliers = self.finder.find(frame)
 
         polygon = PolygonStamped(header=message.header)
         if corners is not None:
@@ -105,6 +114,7 @@ class ObjectNode:
             outline = np.int32(np.rint(corners))[:, None]
             cv2.polylines(frame, [outline], isClosed=True, color=(0, 255, 0), thickness=3)
         self.corners_publisher.publish(polygon)
+        self.inliers_publisher.publish(inliers)
         outlined = self.bridge.cv2_to_imgmsg(frame, "bgr8")
         outlined.header = message.header
         self.image_publisher.publish(outlined)
@@ -118,4 +128,3 @@ if __name__ == "__main__":
     rospy.init_node("example4_5")
     ObjectNode()
     rospy.spin()
-    cv2.destroyAllWindows()

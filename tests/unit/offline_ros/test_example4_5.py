@@ -70,7 +70,9 @@ def test_finds_the_object_and_says_when_it_is_not_there(
     bag, template, truth = scene
     recording = run_node(NODE, bag=bag, params={"template": str(template)})
     corners, images = recording["/object/corners"], recording["/object/image"]
-    assert len(corners) == len(images) == len(truth)
+    inliers = [message.data for _, message in recording["/object/inliers"]]
+    assert len(corners) == len(images) == len(inliers) == len(truth)
+    assert [count >= 8 for count in inliers] == [expected is not None for expected in truth]
     for (stamp, polygon), (_, image), expected in zip(corners, images, truth, strict=True):
         assert polygon.header.stamp.to_nsec() == stamp == image.header.stamp.to_nsec()
         assert polygon.header.frame_id == "camera"
