@@ -84,6 +84,12 @@ def create_detector(detector: Detector = "ORB", n_features: int = 1000) -> Any: 
     AKAZE: P. F. Alcantarilla, J. Nuevo, A. Bartoli, BMVC 2013.
     """
     n_features = as_count(n_features, "n_features", 4)
+    if isinstance(detector, cv2.Feature2D) and not type(detector).__module__.startswith("cv2"):
+        # Its C++ part was never made, and OpenCV would take the whole kernel down.
+        raise TypeError(
+            f"detector {type(detector).__name__} is a Python subclass of an OpenCV class, which "
+            "OpenCV cannot call; write a plain class with detectAndCompute(image, mask)"
+        )
     if not isinstance(detector, str):
         if callable(getattr(detector, "detectAndCompute", None)):
             return detector

@@ -32,6 +32,14 @@ def test_an_object_keeps_its_settings():
     assert mine.getMaxFeatures() == 123
 
 
+def test_a_python_subclass_of_opencvs_is_refused_before_it_crashes():
+    class Mine(cv2.SIFT):
+        pass
+
+    with pytest.raises(TypeError, match="Mine is a Python subclass"):
+        create_detector(Mine())
+
+
 def test_a_reduced_copy_gives_points_of_the_whole(grey):
     large = cv2.resize(grey, (2560, 1920), interpolation=cv2.INTER_NEAREST)
     orb = create_detector("ORB", 300)
