@@ -44,6 +44,12 @@ class Frame:
     image: Image
     truth: dict[str, Any] | None = None
 
+    def __repr__(self) -> str:
+        # The dataclass's own would print the pixels.
+        height, width = self.image.shape[:2]
+        known = "known" if self.truth else "unknown"
+        return f"Frame(stamp_ns={self.stamp_ns}, image {width} x {height}, truth {known})"
+
 
 class FrameSource(Iterator[Frame]):
     """

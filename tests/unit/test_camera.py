@@ -313,6 +313,7 @@ def test_folder_with_truth(tmp_path):
     (tmp_path / "truth" / "box.json").write_text('{"objects": {}}')
     (frame,) = open_camera(tmp_path)
     assert frame.truth == {"objects": {}}
+    assert repr(frame) == "Frame(stamp_ns=0, image 64 x 48, truth known)"
 
 
 def test_unreadable_picture_in_a_folder_is_named(tmp_path):
