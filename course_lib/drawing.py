@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 
 from course_lib._validate import Image, as_bgr, as_corners
+from course_lib.detection import Detection
 from course_lib.display import encode_png, plot, show
-from course_lib.localize import Detection
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

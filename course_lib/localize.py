@@ -2,88 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-import cv2
 import numpy as np
 
-from course_lib import homography
 from course_lib._validate import Image, as_count, as_grey, as_image
+from course_lib.detection import Detection
 from course_lib.detectors import Detector, Features, create_detector, detect
 from course_lib.evidence import BELIEVED, log10_false_alarms
+from course_lib.fitting import MIN_MATCHES, RobustOptions, fit_view
+from course_lib.homography import project, template_corners
 from course_lib.matching import match_brute_force
-from course_lib.outline import outline_fault
 from course_lib.pairs import Pairs
-from course_lib.refine import Refined, keypoint_noise, refine, similarity
-from course_lib.voting import groups
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
+    import cv2
     from numpy.typing import NDArray
+
+__all__ = ["Detection", "TemplateLocator", "locate_template"]
 
 # Larger pictures are searched in a reduced copy: SIFT then needs about 2 GB, ORB 100 MB.
 MAX_PIXELS = 8_000_000
-
-# Four pairs fit some homography exactly, so fewer than this proves nothing.
-MIN_MATCHES = 4
-
-# Corners less certain than this part of the outline's size are no answer.
-MAX_RELATIVE_SIGMA = 0.2
-
-
-@dataclass(frozen=True, eq=False)
-class Detection:
-    """
-    Where the template is in the scene; falsy when it was not found.
-
-    Attributes
-    ----------
-    found : bool
-    reason : str
-        Why it was not found; empty when it was.
-    corners : ndarray of float32, shape (4, 2), or None
-        The template's corners in scene pixels (x, y): top-left, bottom-left, bottom-right,
-        top-right of the template. None when not found.
-    homography : ndarray of float64, shape (3, 3), or None
-        H_scene_from_template, with H[2, 2] = 1. None when not found.
-    matches : tuple of cv2.DMatch
-        The matches used, best first; ``queryIdx`` counts template keypoints, ``trainIdx`` scene
-        keypoints.
-    inliers : ndarray of bool, shape (len(matches),)
-        Which matches agree with the homography. When not found: with the rejected one.
-    template_keypoints, scene_keypoints : tuple of cv2.KeyPoint
-    log10_false_alarms : float
-        Base-10 logarithm of the expected number of such agreements by chance alone (see
-        :mod:`course_lib.evidence`); infinite when no homography was judged.
-    corner_sigma : float
-        Standard deviation of the least certain corner in pixels, as the inliers' spread and noise
-        tell; infinite when not found.
-    """
-
-    found: bool
-    reason: str
-    corners: NDArray[np.float32] | None = None
-    homography: NDArray[np.float64] | None = None
-    matches: tuple[cv2.DMatch, ...] = ()
-    inliers: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, np.bool_))
-    template_keypoints: tuple[cv2.KeyPoint, ...] = ()
-    scene_keypoints: tuple[cv2.KeyPoint, ...] = ()
-    log10_false_alarms: float = np.inf
-    corner_sigma: float = np.inf
-
-    def __bool__(self) -> bool:
-        return self.found
-
-    def __repr__(self) -> str:
-        agreed = f"{self.inlier_count} inliers of {len(self.matches)} matches"
-        return f"Detection(found, {agreed})" if self else f"Detection(not found: {self.reason})"
-
-    @property
-    def inlier_count(self) -> int:
-        """How many matches agree with the homography."""
-        return int(np.count_nonzero(self.inliers))
 
 
 class TemplateLocator:
@@ -165,23 +104,20 @@ class TemplateLocator:
         )
         self.cross_check = cross_check
         self.ratio = ratio
-        self.method = homography.method_code(method)
-        if not 0 < ransac_threshold < np.inf:
-            raise ValueError(f"ransac_threshold must be positive, got {ransac_threshold}")
-        self.ransac_threshold = float(ransac_threshold)
-        self.max_iterations = as_count(max_iterations, "max_iterations", 1)
-        if not 0 < confidence < 1:
-            raise ValueError(f"confidence must be between 0 and 1, got {confidence}")
-        self.confidence = float(confidence)
+        self.ransac = RobustOptions(
+            method=method,
+            threshold=ransac_threshold,
+            max_iterations=max_iterations,
+            confidence=confidence,
+            seed=seed,
+        )
         self.min_inliers = as_count(min_inliers, "min_inliers", MIN_MATCHES)
-        self.seed = as_count(seed, "seed", 0)
         self.max_pixels = as_count(max_pixels, "max_pixels", 1)
         self.detector = create_detector(detector, n_features)
         # Without either, the descriptors' dtype decides.
         default_norm = getattr(self.detector, "defaultNorm", lambda: None)
         self.norm = default_norm() if norm is None else norm
         self.template = detect(self.detector, as_grey(template, "template"), self.max_pixels)
-        self._corners = homography.template_corners(self.template.size).astype(np.float64)
 
     def locate(self, frame: Image) -> Detection:
         """
@@ -227,19 +163,10 @@ class TemplateLocator:
 
     def _judge(self, scene: Features, matches: tuple[cv2.DMatch, ...]) -> Detection:
         pairs = Pairs.of(matches, self.template, scene)
-        best: tuple[int, Refined, NDArray[np.bool_], str] | None = None
-        for members in self._candidates(pairs):
-            fit = self._fit(pairs, members, scene.size)
-            if fit is None:
-                continue
-            refined, inliers, fault = fit
-            # A possible outline is better than any impossible one.
-            score = int(np.count_nonzero(inliers)) - (len(matches) + 1 if fault else 0)
-            if best is None or score > best[0]:
-                best = (score, refined, inliers, fault)
-        if best is None:
+        fit = fit_view(pairs, self.template.size, scene.size, self.ransac)
+        if fit is None:
             return self._nothing("RANSAC failed: no homography fits the matches", scene, matches)
-        _, refined, inliers, fault = best
+        refined, inliers, fault = fit.refined, fit.inliers, fit.fault
         count = int(np.count_nonzero(inliers))
         alarms = np.inf
         if count < self.min_inliers:
@@ -249,7 +176,7 @@ class TemplateLocator:
             )
         if not fault:
             alarms = log10_false_alarms(
-                refined.H, pairs, inliers, scene.points, scene.size, self.ransac_threshold
+                refined.H, pairs, inliers, scene.points, scene.size, self.ransac.threshold
             )
             if alarms > BELIEVED:
                 fault = f"too few inliers: chance can make {count} of {len(matches)} matches agree"
@@ -258,7 +185,7 @@ class TemplateLocator:
         return Detection(
             found=True,
             reason="",
-            corners=homography.project(refined.H, self._corners).astype(np.float32),
+            corners=project(refined.H, template_corners(self.template.size)).astype(np.float32),
             homography=refined.H,
             matches=matches,
             inliers=inliers,
@@ -267,66 +194,6 @@ class TemplateLocator:
             log10_false_alarms=alarms,
             corner_sigma=float(refined.sigma.max()),
         )
-
-    def _candidates(self, pairs: Pairs) -> Iterator[NDArray[np.intp]]:
-        """Yield the sets of matches that RANSAC is tried upon."""
-        if pairs.oriented:
-            yield from groups(pairs, self.ransac_threshold)
-        else:
-            yield np.arange(len(pairs))
-
-    def _fit(
-        self, pairs: Pairs, members: NDArray[np.intp], scene_size: tuple[int, int]
-    ) -> tuple[Refined, NDArray[np.bool_], str] | None:
-        """Return the polished homography, its inliers, and what is wrong with it, if anything."""
-        source, target = pairs.template_points, pairs.scene_points
-        H = homography.estimate(
-            source[members],
-            target[members],
-            method=self.method,
-            threshold=self.ransac_threshold,
-            max_iterations=self.max_iterations,
-            confidence=self.confidence,
-            seed=self.seed,
-        )
-        if H is None:
-            return None
-        inliers = self._inliers(H, pairs)
-        if np.count_nonzero(inliers) < MIN_MATCHES:
-            return None
-        if outline_fault(H, self.template.size, scene_size):
-            # Too few inliers, too close together, for their perspective to mean anything.
-            H = similarity(source[inliers], target[inliers])
-        refined: Refined | None = None
-        # The group was an approximation: inliers outside it widen the support.
-        for _ in range(2):
-            noise = keypoint_noise(H, source[inliers], pairs.noise[inliers])
-            polished = refine(H, source[inliers], target[inliers], noise, self._corners)
-            if polished is None:
-                break
-            refined, H = polished, polished.H
-            before, inliers = inliers, self._inliers(H, pairs)
-            if np.array_equal(before, inliers) or np.count_nonzero(inliers) < MIN_MATCHES:
-                break
-        if refined is None:
-            return None
-        fault = outline_fault(H, self.template.size, scene_size) or self._vagueness(refined)
-        return refined, inliers, fault
-
-    def _vagueness(self, refined: Refined) -> str:
-        """Say so if the inliers leave the outline open."""
-        area = cv2.contourArea(homography.project(refined.H, self._corners).astype(np.float32))
-        sigma = float(refined.sigma.max())
-        if sigma <= MAX_RELATIVE_SIGMA * np.sqrt(area):
-            return ""
-        return (
-            "degenerate inliers: they cover too little of the template to fix its corners "
-            f"(uncertain by {sigma:.0f} pixels)"
-        )
-
-    def _inliers(self, H: homography.Matrix, pairs: Pairs) -> NDArray[np.bool_]:
-        errors = homography.reprojection_errors(H, pairs.template_points, pairs.scene_points)
-        return errors <= self.ransac_threshold
 
     def _nothing(
         self,
