@@ -7,10 +7,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 import yard_world
+from flight_path import HFOV, SIZE
 from numpy.typing import NDArray
-
-SIZE = (640, 480)
-HFOV = np.radians(64.0)
 
 
 def _linear(colour: tuple[int, int, int]) -> tuple[float, float, float, float]:
@@ -110,7 +108,7 @@ def build(samples: int = 16) -> bpy.types.Scene:
     _sun()
     lens = bpy.data.cameras.new("front")
     lens.sensor_fit = "HORIZONTAL"
-    lens.angle = float(HFOV)
+    lens.angle = HFOV
     lens.clip_end = 300
     scene.camera = bpy.data.objects.new("front", lens)
     bpy.context.collection.objects.link(scene.camera)

@@ -66,7 +66,7 @@ def _stones(
     spread: float,
     mortar: float,
 ) -> Picture:
-    """Rows of irregular stones in mortar: ``grid`` stones across and up, tones within ``spread``."""
+    """Rows of irregular stones in mortar: ``grid`` across and up, tones within ``spread``."""
     h, w = shape
     nx, ny = grid
     gx, gy = np.meshgrid(np.arange(nx), np.arange(ny))

@@ -151,7 +151,7 @@ def house() -> Iterator[Part]:
 
 
 def on_wall(x: float, z: float, width: float, height: float, thick: float) -> Mesh:
-    """Board on the front wall: centred at ``x``, its foot at ``z``; the texture covers the front."""
+    """Board on the front wall, centred at ``x``, its foot at ``z``; its front is textured."""
     y0, y1 = WALL_Y, WALL_Y - thick
     left, right, top = x - width / 2, x + width / 2, z + height
     sides = moved(box((width, thick, height)), (x, (y0 + y1) / 2, z))
@@ -190,8 +190,8 @@ def garden() -> Iterator[Part]:
               (3.9, 5.9, 0)), moved(box((0.9, 9.0, 1.1), 0.9), (-9.2, 0.0, 0))]  # fmt: skip
     yield Part("garden/hedges", join(hedges), texture="leaves")
     yield Part("garden/fence", join(list(fence())), (214, 226, 232))
-    spots = [(8.2, 7.5, 1.25), (4.9, 10.5, 1.5), (-9.8, 5.5, 1.3), (9.5, 1.0, 1.2), (-11.0, -3, 1.4),
-             (12.5, 13.0, 1.9), (-13.5, 12.0, 1.8), (1.5, 16.0, 1.7)]  # fmt: skip
+    spots = [(8.2, 7.5, 1.25), (4.9, 10.5, 1.5), (-9.8, 5.5, 1.3), (9.5, 1.0, 1.2),
+             (-11.0, -3, 1.4), (12.5, 13.0, 1.9), (-13.5, 12.0, 1.8), (1.5, 16.0, 1.7)]  # fmt: skip
     trunks = [rod((x, y, 0), (x, y, 2.2 * s), (0.2 * s, 0.13 * s), 7) for x, y, s in spots]
     yield Part("garden/trunks", join(trunks), WOOD_DARK)
     crowns = [
@@ -238,7 +238,8 @@ def small_things(rng: np.random.Generator) -> Iterator[Part]:
               p.vertices[:, 1].mean(), 0.56)) for p in pots]  # fmt: skip
     yield Part("garden/pot_bushes", join(bushes), texture="leaves")
     logs = [rod((x, -0.55, z), (x, 0.55, z), (0.13, 0.13), 8) for x, z in
-            ((-0.26, 0.13), (0.0, 0.13), (0.26, 0.13), (-0.13, 0.355), (0.13, 0.355), (0, 0.58))]  # fmt: skip
+            ((-0.26, 0.13), (0.0, 0.13), (0.26, 0.13), (-0.13, 0.355), (0.13, 0.355),
+             (0, 0.58))]  # fmt: skip
     yield Part("garden/logs", join(logs), texture="wood", position=(3.4, 1.6, 0.0))
 
 
@@ -273,7 +274,10 @@ def distance() -> Iterator[Part]:
     """Hills and clouds beyond the garden."""
     rng = np.random.default_rng(23)
     hills = [
-        moved(blob((14, 10, rng.uniform(2.5, 5.5)), rng, rough=0.06), (36 * np.cos(a), 36 * np.sin(a), -0.6))
+        moved(
+            blob((14, 10, rng.uniform(2.5, 5.5)), rng, rough=0.06),
+            (36 * np.cos(a), 36 * np.sin(a), -0.6),
+        )
         for a in np.arange(12) * 2 * np.pi / 12 + rng.uniform(-0.1, 0.1, 12)
     ]
     yield Part("distance/hills", join(hills), (88, 150, 112))
