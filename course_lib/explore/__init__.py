@@ -4,6 +4,10 @@ Every viewer is an `ipywidgets.VBox`: sliders linked in the browser (`jslink`) t
 holds all of its data, so a change never waits for the kernel, and exported pages need none.
 """
 
+from course_lib.explore._brief import brief_pairs
 from course_lib.explore._fast import fast
+from course_lib.explore._flight import flight
+from course_lib.explore._magnifier import fast_magnifier
+from course_lib.explore._matches import matches, ransac
 
-__all__ = ["fast"]
+__all__ = ["brief_pairs", "fast", "fast_magnifier", "flight", "matches", "ransac"]
