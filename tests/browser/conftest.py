@@ -32,7 +32,9 @@ FLAGS = [
     "--no-first-run",
 ]
 # Not ours: JupyterLab's own remarks on a fresh profile.
-HARMLESS = re.compile(r"favicon|sourcemap|source map|Download the React DevTools|/api/contents.*404")
+HARMLESS = re.compile(
+    r"favicon|sourcemap|source map|Download the React DevTools|/api/contents.*404"
+)
 
 
 @pytest.fixture(scope="session")
