@@ -92,10 +92,9 @@ def running_lab(root: Path, scratch: Path) -> Iterator[Lab]:
         *(sys.executable, "-m", "jupyterlab", "--no-browser", "--allow-root"),
         *(f"--port={port}", "--ServerApp.port_retries=0", f"--IdentityProvider.token={token}"),
         *(f"--ServerApp.root_dir={root}", "--expose-app-in-browser"),
-        "--LabApp.news_url=",
     ]
     log = (scratch / "lab.log").open("w")
-    server = subprocess.Popen(command[:-1], env=environment, stdout=log, stderr=log)
+    server = subprocess.Popen(command, env=environment, stdout=log, stderr=log)
     try:
         address = f"http://127.0.0.1:{port}"
         for _ in range(300):
