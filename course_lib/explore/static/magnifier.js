@@ -122,7 +122,7 @@ async function render({ model, el }) {
       best < 1 ? "no corner at any threshold" : `a corner at every threshold up to ${best}`;
     return (
       `(${x}, ${y}) has grey value ${centre}: ${brighter} brighter (orange), ${darker} darker ` +
-      `(blue). ${isCorner ? "CORNER" : "No corner"}: ${run.length} contiguous ${word}, ` +
+      `(blue) at threshold ${t}. ${isCorner ? "CORNER" : "No corner"}: ${run.length} contiguous ${word}, ` +
       `needs ${n}; ${rank}.`
     );
   }
