@@ -67,7 +67,7 @@ VIEWS = (
     View("box_in_scene_rotated.png", 151, (-0.03, 0.03), (0.14, -0.46, 0.78), (0.0, 0.04, 0.02), 45,
          False, (9, (1, 0.82, 0.6)), 5, 2000),
     View("box_in_scene_hidden.png", -17, (0.02, 0.03), (-0.1, -0.46, 0.78), (0.0, 0.045, 0.02), 46,
-         True, (24, (0.92, 0.96, 1)), 3, 3200),
+         True, (24, (0.92, 0.96, 1)), 3, 4500),
 )  # fmt: skip
 
 
@@ -103,9 +103,9 @@ def table(scene: bpy.types.Scene) -> None:
 def on_top(scene: bpy.types.Scene) -> None:
     """Lay things on the box."""
     height = BOX[2]
-    props.book(scene, 21, (0.2, 0.14, 0.024), location=(0.15, 0.1, height + 0.012),
+    props.book(scene, 21, (0.2, 0.14, 0.024), location=(0.165, 0.11, height + 0.012),
                rotation=(0, 0, -0.5))  # fmt: skip
-    props.can(scene, 33, location=(-0.085, -0.03, height))
+    props.can(scene, 33, location=(-0.1, -0.045, height))
     for k, colour in enumerate(("#c0392b", "#2e6da4", "#e0a526")):
         props.pencil(scene, colour, location=(-0.02 + 0.02 * k, 0.0, height + 0.004),
                      turn=-0.9 + 0.2 * k)  # fmt: skip

@@ -80,7 +80,9 @@ def lettered(rng: np.random.Generator, size: tuple[int, int], words: str) -> NDA
     pen.text((0.13 * width, height / 2), words, fill=ink, font=font, anchor="lm")
     for at in (0.03, 0.06, 0.09, 0.9):
         pen.rectangle((at * width, 0, at * width + max(2, 0.006 * width), height), fill=ink)
-    small = ImageFont.truetype(str(FONTS / "DejaVuSans-Bold.ttf"), max(7, int(min(0.3 * height, 0.05 * width))))
+    small = ImageFont.truetype(
+        str(FONTS / "DejaVuSans-Bold.ttf"), max(7, int(min(0.3 * height, 0.05 * width)))
+    )
     mark = "".join(chr(c) for c in rng.integers(65, 91, 2))
     pen.text((0.955 * width, height / 2), mark, fill=ink, font=small, anchor="mm")
     picture = np.asarray(page)[..., ::-1].astype(np.int16)
