@@ -210,3 +210,25 @@ def write(path: Path, record: Mapping[str, Any]) -> None:
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps(_plain(dict(record)), indent=1) + "\n", encoding="utf-8")
+
+
+def read(path: Path) -> dict[str, Any]:
+    """Read a truth record that another scene has written.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    dict
+
+    Raises
+    ------
+    FileNotFoundError
+        The other scene was not rendered yet.
+    """
+    if not path.exists():
+        raise FileNotFoundError(f"{path} is missing: render {path.stem} first")
+    record: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    return record
