@@ -34,6 +34,7 @@ def show(
     alt: str,
     title: str | None = None,
     captions: Sequence[str] | None = None,
+    columns: int | None = None,
     width: int | None = None,
     max_bytes: int = MAX_BYTES,
 ) -> None:
@@ -50,6 +51,8 @@ def show(
         A line above the picture.
     captions : sequence of str or None
         A line above each of several pictures.
+    columns : int or None
+        Pictures in a row; None puts all in one.
     width : int or None
         Shrink the output to at most this many pixels of width; None keeps up to 1200.
     max_bytes : int
@@ -65,7 +68,7 @@ def show(
         raise ValueError("image is an empty sequence: nothing to show")
     if captions is not None and len(captions) != len(pictures):
         raise ValueError(f"{len(pictures)} pictures need as many captions, got {len(captions)}")
-    sheet = _side_by_side(pictures, captions)
+    sheet = _sheet(pictures, captions, as_count(columns or len(pictures), "columns", 1))
     if title:
         sheet = _headed(sheet, title)
     sheet = _narrowed(sheet, MAX_WIDTH if width is None else as_count(width, "width", 1))
@@ -164,19 +167,33 @@ def _narrowed(sheet: PIL.Image.Image, width: int) -> PIL.Image.Image:
     return sheet.resize(size, PIL.Image.Resampling.LANCZOS)
 
 
-def _side_by_side(pictures: Sequence[Image], captions: Sequence[str] | None) -> PIL.Image.Image:
+def _sheet(
+    pictures: Sequence[Image], captions: Sequence[str] | None, columns: int
+) -> PIL.Image.Image:
     parts = [_as_pil(picture) for picture in pictures]
     if captions is not None:
         parts = [_headed(part, text) for part, text in zip(parts, captions, strict=True)]
-    if len(parts) == 1:
-        return parts[0]
+    rows = [_row(parts[i : i + columns]) for i in range(0, len(parts), columns)]
+    sheet = PIL.Image.new(
+        "RGB",
+        (max(row.width for row in rows), sum(row.height for row in rows) + GAP * (len(rows) - 1)),
+        "white",
+    )
+    top = 0
+    for row in rows:
+        sheet.paste(row, (0, top))
+        top += row.height + GAP
+    return sheet
+
+
+def _row(parts: Sequence[PIL.Image.Image]) -> PIL.Image.Image:
     width = sum(part.width for part in parts) + GAP * (len(parts) - 1)
-    sheet = PIL.Image.new("RGB", (width, max(part.height for part in parts)), "white")
+    row = PIL.Image.new("RGB", (width, max(part.height for part in parts)), "white")
     left = 0
     for part in parts:
-        sheet.paste(part, (left, 0))
+        row.paste(part, (left, 0))
         left += part.width + GAP
-    return sheet
+    return row
 
 
 def _headed(sheet: PIL.Image.Image, text: str) -> PIL.Image.Image:

@@ -13,19 +13,15 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
+from course_lib.segment_test import CIRCLE, longest_arc, signs
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-__all__ = ["RING", "look_around", "ring", "sampling", "typical_points", "unrolled"]
-
-RING: tuple[tuple[int, int], ...] = (
-    (0, -3), (1, -3), (2, -2), (3, -1), (3, 0), (3, 1), (2, 2), (1, 3),
-    (0, 3), (-1, 3), (-2, 2), (-3, 1), (-3, 0), (-3, -1), (-2, -2), (-1, -3),
-)  # fmt: skip
-"""Steps (dx, dy) from the centre to pixels 1 to 16 of FAST's ring, clockwise from the top."""
+__all__ = ["look_around", "ring", "sampling", "typical_points", "unrolled"]
 
 BRIGHTER, DARKER, SIMILAR, CENTRE = "#f2b134", "#2b4c7e", "#c9ccd1", "#c0392b"
 MARGIN = 20
@@ -35,7 +31,8 @@ def typical_points(gray: NDArray[np.uint8]) -> dict[str, tuple[int, int]]:
     """Find the flattest, the most edge-like and the most corner-like point of a picture.
 
     The eigenvalues of the structure tensor tell them apart: both small where nothing
-    happens, one large on an edge, both large at a corner [1]_.
+    happens, one large on an edge, both large at a corner [1]_. Among such places those are
+    taken on which FAST's ring shows nothing, half a ring, or a corner's arc.
 
     Parameters
     ----------
@@ -69,8 +66,11 @@ def typical_points(gray: NDArray[np.uint8]) -> dict[str, tuple[int, int]]:
     # A flat wall that is black or burnt out would be a poor example: it cannot even be noisy.
     level = gray[inside]
     flatness = np.where((level > 60) & (level < 200), -large, -np.inf)
-    found = {"flat": flatness, "edge": edgeness, "corner": small}
-    return {name: _best(measure) for name, measure in found.items()}
+    return {
+        "flat": _best(flatness, gray, range(1)),
+        "edge": _best(edgeness, gray, range(5, 9)),
+        "corner": _best(small, gray, range(9, 13)),
+    }
 
 
 def look_around(
@@ -142,7 +142,7 @@ def ring(gray: NDArray[np.uint8], x: int, y: int) -> Figure:
         extent=(-4.5, 4.5, 4.5, -4.5),
     )  # fmt: skip
     axis.add_patch(Circle((0, 0), 3, fill=False, color=CENTRE, lw=1, ls=":"))
-    for number, (dx, dy) in enumerate(RING, start=1):
+    for number, (dx, dy) in enumerate(CIRCLE, start=1):
         compass = number in {1, 5, 9, 13}
         axis.add_patch(Circle((dx, dy), 0.42, color=CENTRE if compass else "#34495e"))
         axis.text(dx, dy, str(number), ha="center", va="center", color="white", fontsize=11)
@@ -174,7 +174,7 @@ def unrolled(
     axes = figure.subplots(1, len(points), sharey=True, squeeze=False)[0]
     for axis, (name, (x, y)) in zip(axes, points.items(), strict=True):
         centre = int(gray[y, x])
-        levels = [int(gray[y + dy, x + dx]) for dx, dy in RING]
+        levels = [int(gray[y + dy, x + dx]) for dx, dy in CIRCLE]
         colours = [
             BRIGHTER if v > centre + threshold else DARKER if v < centre - threshold else SIMILAR
             for v in levels
@@ -216,10 +216,23 @@ def sampling(
     return figure
 
 
-def _best(measure: NDArray[np.floating]) -> tuple[int, int]:
-    """Pixel (x, y) of the whole picture where a measure of its inside is largest."""
-    row, column = np.unravel_index(int(np.argmax(measure)), measure.shape)
-    return int(column) + MARGIN, int(row) + MARGIN
+def _best(
+    measure: NDArray[np.floating], gray: NDArray[np.uint8], arcs: range, threshold: int = 20
+) -> tuple[int, int]:
+    """Pixel (x, y) where a measure of the picture's inside is largest and FAST agrees.
+
+    FAST agrees when its ring holds pixels of one side only, in an arc of one of these lengths. If
+    it agrees nowhere, the measure alone decides.
+    """
+    order = np.argsort(measure, axis=None)[::-1][:4000]
+    columns = measure.shape[1]
+    places = [(int(i % columns) + MARGIN, int(i // columns) + MARGIN) for i in order]
+    for x, y in places:
+        states = signs(gray, x, y, threshold)
+        length, _, _ = longest_arc(states)
+        if length in arcs and length == sum(state != 0 for state in states):
+            return x, y
+    return places[0]
 
 
 def _difference(values: NDArray[np.float64], x: int, y: int, dx: int, dy: int, half: int) -> float:

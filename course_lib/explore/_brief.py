@@ -21,8 +21,8 @@ from course_lib.explore._base import (
     slider,
     stylesheet,
 )
-from course_lib.explore._fast import is_maximum, score_map
 from course_lib.explore._still import caption
+from course_lib.segment_test import is_maximum, score_map
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -20,15 +20,11 @@ from course_lib.explore._base import (
     stylesheet,
 )
 from course_lib.explore._still import caption
+from course_lib.segment_test import is_maximum, score_map
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-# Bresenham circle of radius 3, clockwise from the top: (x, y).
-CIRCLE = (
-    *((0, -3), (1, -3), (2, -2), (3, -1), (3, 0), (3, 1), (2, 2), (1, 3)),
-    *((0, 3), (-1, 3), (-2, 2), (-3, 1), (-3, 0), (-3, -1), (-2, -2), (-1, -3)),
-)
 MARK_BGR = (255, 229, 0)
 
 
@@ -131,56 +127,6 @@ def fast(
     still = _draw(picture, shown, threshold)
     label = f"FAST threshold {threshold}: {count} corners. Run the notebook to move the slider."
     return Viewer([*controls, canvas], still=caption(still, label), alt=alt)
-
-
-def score_map(grey: NDArray[np.uint8], n: int = 9) -> NDArray[np.uint8]:
-    """Give every pixel its FAST score, 0 where it is no corner even at threshold 1.
-
-    The segment test asks for `n` contiguous circle pixels all brighter, or all darker, than the
-    centre by more than the threshold. The highest threshold that an arc passes is one less than
-    its smallest difference; a pixel's score is that of its best arc.
-
-    Parameters
-    ----------
-    grey
-        Grey picture, uint8 of shape (height, width).
-    n
-        Length of the arc.
-
-    Returns
-    -------
-    uint8 array of shape (height, width); the outer three pixels are always 0.
-    """
-    scores = np.zeros(grey.shape, np.uint8)
-    height, width = grey.shape
-    if min(height, width) < 7:
-        return scores
-    centre = grey[3:-3, 3:-3].astype(np.int16)
-    differences = [
-        grey[3 + y : height - 3 + y, 3 + x : width - 3 + x].astype(np.int16) - centre
-        for x, y in CIRCLE
-    ]
-    best = np.zeros_like(centre)
-    for sign in (1, -1):
-        signed = [sign * difference for difference in differences]
-        for start in range(16):
-            arc = signed[start]
-            for step in range(1, n):
-                arc = np.minimum(arc, signed[(start + step) % 16])
-            np.maximum(best, arc - 1, out=best)
-    scores[3:-3, 3:-3] = best
-    return scores
-
-
-def is_maximum(scores: NDArray[np.uint8]) -> NDArray[np.bool_]:
-    """Tell which pixels score strictly more than all eight neighbours.
-
-    Neighbours below a threshold lose against a corner above it anyway, so the suppressed set at
-    any threshold is this one set, filtered.
-    """
-    ring = np.ones((3, 3), np.uint8)
-    ring[1, 1] = 0
-    return np.asarray(scores > cv2.dilate(scores, ring, borderValue=0), np.bool_)
 
 
 def _ranked(name: str, scores: NDArray[np.uint8]) -> dict[str, bytes]:

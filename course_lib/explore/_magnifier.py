@@ -20,8 +20,8 @@ from course_lib.explore._base import (
     slider,
     stylesheet,
 )
-from course_lib.explore._fast import CIRCLE, is_maximum, score_map
 from course_lib.explore._still import caption
+from course_lib.segment_test import CIRCLE, is_maximum, longest_arc, score_map, signs
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -136,29 +136,6 @@ def fast_magnifier(
     label = f"{text}. Run the notebook to point at other pixels."
     still = caption(_draw(grey, x, y, threshold), label)
     return Viewer([control, arc, canvas], still=still, alt=alt)
-
-
-def signs(grey: NDArray[np.uint8], x: int, y: int, threshold: int) -> list[int]:
-    """Tell each circle pixel's state: 1 brighter, -1 darker, 0 similar or outside the picture."""
-    height, width = grey.shape
-    states = []
-    for dx, dy in CIRCLE:
-        inside = 0 <= x + dx < width and 0 <= y + dy < height
-        difference = int(grey[y + dy, x + dx]) - int(grey[y, x]) if inside else 0
-        states.append(int(difference > threshold) - int(difference < -threshold))
-    return states
-
-
-def longest_arc(states: list[int]) -> tuple[int, int, int]:
-    """Return (length, first place, sign) of the longest run round the circle; length 0: none."""
-    best = (0, 0, 0)
-    for sign in (1, -1):
-        for start in range(16):
-            length = 0
-            while length < 16 and states[(start + length) % 16] == sign:
-                length += 1
-            best = max(best, (length, start, sign), key=lambda run: run[0])
-    return best
 
 
 def verdict(grey: NDArray[np.uint8], x: int, y: int, threshold: int, n: int = 9) -> str:

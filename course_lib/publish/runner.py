@@ -136,8 +136,11 @@ def run_notebook(
         except CellTimeoutError as error:
             message = f"{path.name}: a cell took longer than {cell_timeout:g} s\n{error}"
             raise NotebookFailed(message) from error
-        except DeadKernelError as error:
+        except DeadKernelError as error:  # also a RuntimeError, so it comes first
             if client.stopped:  # nbclient takes a cancelled cell for a dead kernel
                 raise KeyboardInterrupt from None
             raise NotebookFailed(f"{path.name}: the kernel died\n{error}") from error
+        except RuntimeError as error:
+            help_text = "is the course installed in this Python? `make notebooks` sees to it"
+            raise NotebookFailed(f"{path.name}: {error}; {help_text}") from error
     return notebook

@@ -35,7 +35,8 @@ def test_the_box_is_found_where_it_is(scene, options):
     box = images.truth(name)["objects"]["box"]
     detection = locate_template(images.load("box.png"), images.load(name), **options)
     assert detection, detection.reason
-    assert corner_error(detection, box["corners"]) < 5
+    # Glare and things on top leave some corners without matches near them; the detection must know.
+    assert corner_error(detection, box["corners"]) < max(5, min(15, 2 * detection.corner_sigma))
 
 
 def mug_and_shelf():

@@ -113,3 +113,9 @@ def test_encode_png_limits_width_and_bytes():
     data = display.encode_png(photo(), max_width=320, max_bytes=30_000)
     assert len(data) <= 30_000
     assert PIL.Image.open(io.BytesIO(data)).width <= 320
+
+
+def test_columns_break_the_row():
+    tiles = [np.full((20, 30, 3), 40 * i, np.uint8) for i in range(5)]
+    sheet = decoded(shown(tiles, alt="tiles", columns=2))
+    assert sheet.size == (2 * 30 + display.GAP, 3 * 20 + 2 * display.GAP)

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from course_lib import explore, quiz
-from course_lib.explore._fast import is_maximum, score_map
-from course_lib.explore._magnifier import longest_arc, verdict
+from course_lib.explore._magnifier import verdict
+from course_lib.segment_test import is_maximum, longest_arc, score_map
 
 
 def textured(seed: int, shape: tuple[int, int] = (120, 160)) -> np.ndarray:
