@@ -18,6 +18,11 @@ from pygments.formatters import HtmlFormatter
 from pygments.lexers import get_lexer_by_name
 from pygments.util import ClassNotFound
 
+# What latex2mathml does not know, in words that it does.
+_REWORDED = (
+    (re.compile(r"\\operatorname\*?\{([^{}]*)\}"), r"\\text{\1}"),
+    (re.compile(r"\\(begin|end)\{aligned\}"), r"\\\1{align*}"),
+)
 _TAG = re.compile(r"<[^>]+>")
 _IMAGE_SOURCE = re.compile(r"""(<img\b[^>]*?\bsrc=)(["'])(.*?)\2""", re.IGNORECASE | re.DOTALL)
 
@@ -47,8 +52,11 @@ def formula(latex: str, *, display: bool) -> str:
         The formula cannot be read.
     """
     mode = "block" if display else "inline"
+    known = latex.strip()
+    for pattern, words in _REWORDED:
+        known = pattern.sub(words, known)
     try:
-        mathml = latex2mathml.converter.convert(latex.strip(), display=mode)
+        mathml = latex2mathml.converter.convert(known, display=mode)
     except Exception as error:  # the library has no common base for its errors
         raise ValueError(f"formula {latex.strip()!r} cannot be read: {error!r}") from error
     return f'<div class="formula">{mathml}</div>' if display else mathml

@@ -118,7 +118,9 @@ class Exporter:
         if not source.strip():
             return shown
         code = f"<pre><code>{highlighted(source)}</code></pre>"
-        if cell["metadata"].get("jupyter", {}).get("source_hidden"):
+        # The code of a question holds its answer.
+        is_question = source.lstrip().startswith("quiz.")
+        if is_question or cell["metadata"].get("jupyter", {}).get("source_hidden"):
             code = f'<details class="source"><summary>Show the code</summary>{code}</details>'
         else:
             code = f'<div class="source">{code}</div>'

@@ -3,6 +3,7 @@
 import asyncio
 import logging
 import os
+import re
 import signal
 import sys
 import tempfile
@@ -17,6 +18,8 @@ from jupyter_core.utils import ensure_async
 from nbclient import NotebookClient
 from nbclient.exceptions import CellExecutionError, CellTimeoutError, DeadKernelError
 from traitlets.config import Config
+
+_ANSI = re.compile(r"\x1b\[[0-9;]*m")
 
 
 class NotebookFailed(Exception):  # noqa: N818  (reads as the sentence it begins)
@@ -132,7 +135,8 @@ def run_notebook(
         except asyncio.CancelledError:
             raise KeyboardInterrupt from None
         except CellExecutionError as error:
-            raise NotebookFailed(f"{path.name}: a cell raised\n{error}") from error
+            text = _ANSI.sub("", str(error))  # also reaches logs and files
+            raise NotebookFailed(f"{path.name}: a cell raised\n{text}") from error
         except CellTimeoutError as error:
             message = f"{path.name}: a cell took longer than {cell_timeout:g} s\n{error}"
             raise NotebookFailed(message) from error
