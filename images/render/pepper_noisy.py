@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 NAME = "pepper_noisy.jpg"
+AFTER = "peppers"
 
 
 def main(out: Path, *, preview: bool) -> None:  # noqa: ARG001 - a preview takes no longer

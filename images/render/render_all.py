@@ -2,28 +2,40 @@
 
 Every script of this folder that has a `main(out, *, preview)` is a scene.
 Each runs in a process of its own, so that none sees what another left in Blender.
+One that reads another's picture says so with a line such as `AFTER = "peppers"`.
 """
 
 from __future__ import annotations
 
 import argparse
+import re
 import subprocess
 import sys
 import time
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 
 
 def scenes() -> list[str]:
-    """Return the names of the scene scripts, in alphabetical order.
+    """Return the names of the scene scripts: alphabetical, but each after what it reads.
 
     Returns
     -------
     list of str
+
+    Raises
+    ------
+    graphlib.CycleError
+        If two scenes wait for each other.
     """
-    scripts = sorted(HERE.glob("*.py"))
-    return [p.stem for p in scripts if "\ndef main(out: Path" in p.read_text(encoding="utf-8")]
+    order: TopologicalSorter[str] = TopologicalSorter()
+    for path in sorted(HERE.glob("*.py")):
+        text = path.read_text(encoding="utf-8")
+        if "\ndef main(out: Path" in text:
+            order.add(path.stem, *re.findall(r'^AFTER = "(\w+)"$', text, re.MULTILINE))
+    return list(order.static_order())
 
 
 def main() -> int:
@@ -38,7 +50,7 @@ def main() -> int:
     parser.add_argument("--preview", action="store_true", help="small and rough, in seconds")
     parser.add_argument("--out", type=Path, default=HERE.parent, help="default: images/")
     options = parser.parse_args()
-    names = options.only or scenes()
+    names = [name for name in scenes() if not options.only or name in options.only]
     failed = []
     for number, name in enumerate(names, 1):
         print(f"[{number}/{len(names)}] {name}", flush=True)
