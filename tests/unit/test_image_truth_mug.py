@@ -18,7 +18,7 @@ from course_lib import images
 
 PICTURES = ["ROS.png", "ROS2.png", *(f"heldout/mug_{number}.png" for number in range(1, 7))]
 CUT_OUT = PICTURES[2:]
-BACKGROUNDS = [f"heldout/background_{number}.jpg" for number in range(1, 5)]
+BACKGROUNDS = [name for name in images.names("heldout") if "background" in name]
 # The mug as images/render/mug.py builds it, metres: the transfer lies a hair above the glaze.
 RADIUS, TRANSFER, PRINT_HEIGHT, PRINT_FOOT = 0.041, 0.00025, 0.074, 0.011
 RENDER = Path(__file__).parents[2] / "images" / "render"
