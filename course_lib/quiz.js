@@ -57,7 +57,7 @@ function render({ model, el }) {
     if (given === "") return;
     const { right, reason } = (kind === "choose" ? judgeChoice : judgeNumber)(key, given);
     box.dataset.verdict = right ? "right" : "wrong";
-    verdict.append(element("strong", "", right ? "✓ Right." : "✗ Not yet."));
+    verdict.append(element("strong", "", right ? "✓ Right." : "✗ Not yet."), " ");
     write(verdict, right ? reason : `${reason} Try again.`);
   }
   function answer(given) {

@@ -112,8 +112,8 @@ def fast(
         threshold=threshold,
         nonmax=suppress,
         alt=alt,
-        **_ranked("all", scores),
-        **_ranked("kept", kept),
+        **ranked("all", scores),
+        **ranked("kept", kept),
     )
     control = slider("threshold", threshold, 1, max_threshold)
     link(control, canvas, "threshold")
@@ -129,7 +129,7 @@ def fast(
     return Viewer([*controls, canvas], still=caption(still, label), alt=alt)
 
 
-def _ranked(name: str, scores: NDArray[np.uint8]) -> dict[str, bytes]:
+def ranked(name: str, scores: NDArray[np.uint8]) -> dict[str, bytes]:
     """Pack the corners for the browser, best first: the first k are those of some threshold."""
     ys, xs = np.nonzero(scores)
     values = scores[ys, xs]

@@ -20,6 +20,7 @@ from course_lib.explore._base import (
     slider,
     stylesheet,
 )
+from course_lib.explore._fast import ranked
 from course_lib.explore._still import caption
 from course_lib.segment_test import CIRCLE, is_maximum, longest_arc, score_map, signs
 
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 PANEL = 330  # CSS pixels, the side of the magnified patch
 REACH = 5  # the patch shows this many pixels around its centre
 MAP_WIDTH = 400
+ARCS = (9, 12)  # lengths to choose from, in the canvas's order of choice
 BRIGHTER_BGR, DARKER_BGR, SIMILAR_BGR = (0, 165, 255), (255, 120, 30), (160, 160, 160)
 
 
@@ -44,6 +46,10 @@ class MagnifierCanvas(Canvas):
     y = Int().tag(sync=True)
     grey = Bytes().tag(sync=True)
     about = Unicode().tag(sync=True)
+    kept9_points = Bytes().tag(sync=True)
+    kept9_scores = Bytes().tag(sync=True)
+    kept12_points = Bytes().tag(sync=True)
+    kept12_scores = Bytes().tag(sync=True)
 
 
 def fast_magnifier(
@@ -56,8 +62,9 @@ def fast_magnifier(
     """Show the segment test at the pixel under the pointer.
 
     The 16 circle pixels are marked brighter, darker or similar, the longest arc is joined, and
-    the verdict says why the pixel is a corner or is not. Click or drag in the picture, or focus
-    it and use the arrow keys.
+    the verdict says why the pixel is a corner or is not. Dots mark the corners, and the pointer
+    snaps to one that is near. A click holds the point, a click on it lets go; a click on the
+    magnified patch, or an arrow key, moves by single pixels.
 
     Parameters
     ----------
@@ -78,7 +85,8 @@ def fast_magnifier(
     Raises
     ------
     TypeError, ValueError
-        When `image` is no picture, is too small, or `point` lies outside of it.
+        When `image` is no picture or too small, `threshold` is outside 1 … 255, or `point` lies
+        outside the picture.
 
     References
     ----------
@@ -89,9 +97,14 @@ def fast_magnifier(
     if min(height, width) < 16:
         raise ValueError(f"image must be at least 16 pixels wide and high, not {width} x {height}")
     grey = np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY), np.uint8)
-    scores = score_map(grey)
+    if not 1 <= threshold <= 255:
+        raise ValueError(f"threshold must be a grey level from 1 to 255, not {threshold}")
+    kept = {}
+    for n in ARCS:
+        scores = score_map(grey, n)
+        kept[n] = np.where(is_maximum(scores), scores, 0).astype(np.uint8)
     if point is None:
-        best = np.where(is_maximum(scores), scores, 0)
+        best = kept[9]
         row, column = np.unravel_index(int(best.argmax()), best.shape)
         point = (int(column), int(row))
     x, y = point
@@ -122,11 +135,13 @@ def fast_magnifier(
             }
         ),
         alt=alt,
+        **ranked("kept9", kept[9]),
+        **ranked("kept12", kept[12]),
     )
-    control = slider("threshold", threshold, 1, 150)
+    control = slider("threshold", threshold, 1, max(150, threshold))
     link(control, canvas, "threshold")
     arc = ipywidgets.Dropdown(
-        options=[("9 contiguous (FAST-9)", 9), ("12 contiguous (FAST-12)", 12)],
+        options=[(f"{n} contiguous (FAST-{n})", n) for n in ARCS],
         value=9,
         description="corner means",
         style={"description_width": "initial"},

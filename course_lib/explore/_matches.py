@@ -206,7 +206,14 @@ def _viewer(
         shown=np.array(counts, "<u2").tobytes(),
         inliers=inliers.tobytes(),
         outlines=outlines.astype("<f4").tobytes(),
-        texts=json.dumps({"all": list(texts), "width": picture.shape[1], "shift": shift}),
+        texts=json.dumps(
+            {
+                "all": list(texts),
+                "width": picture.shape[1],
+                "shift": shift,
+                "heights": [template.shape[0], scene.shape[0]],
+            }
+        ),
         alt=alt,
     )
     link(control, canvas, "value")

@@ -11,6 +11,24 @@ function decode(bytes) {
   return createImageBitmap(new Blob([bytes]));
 }
 
+/**
+ * A function that draws a bitmap at a fixed size, resampled once for each pixel density: a
+ * repaint then only copies pixels.
+ */
+function backdrop(bitmap, width, height) {
+  let copy = null;
+  return (context, pixelRatio) => {
+    const columns = Math.round(width * pixelRatio);
+    if (copy?.width !== columns) {
+      copy = new OffscreenCanvas(columns, Math.round(height * pixelRatio));
+      const pen = copy.getContext("2d");
+      pen.imageSmoothingQuality = "high";
+      pen.drawImage(bitmap, 0, 0, copy.width, copy.height);
+    }
+    context.drawImage(copy, 0, 0, width, height);
+  };
+}
+
 /** Colours of the page's theme, for what is drawn on the page's own background. */
 function themeOf(el) {
   const style = getComputedStyle(el);

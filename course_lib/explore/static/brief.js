@@ -12,7 +12,7 @@ async function render({ model, el }) {
   const [mapWidth, mapHeight] = about.map;
   const pairs = typed(model, "pairs", Int8Array);
   const patches = typed(model, "patches");
-  const bitmap = await decode(typed(model, "picture"));
+  const drawMap = backdrop(await decode(typed(model, "picture")), mapWidth, mapHeight);
   const area = patch * patch;
   const half = (patch - 1) / 2;
   const cell = panel / patch;
@@ -31,8 +31,8 @@ async function render({ model, el }) {
     });
   }
 
-  function paintMap(context, theme) {
-    context.drawImage(bitmap, 0, 0, mapWidth, mapHeight);
+  function paintMap(context, pixelRatio, theme) {
+    drawMap(context, pixelRatio);
     const scale = mapWidth / columns;
     const chosen = [model.get("first") - 1, model.get("second") - 1];
     context.font = "bold 12px sans-serif";
@@ -82,7 +82,7 @@ async function render({ model, el }) {
     const width = (2 * panel + gap - 40) / perRow;
     const rows = a.length / perRow;
     const left = mapWidth + gap + 40;
-    const height = Math.min(width, 80 / (3 * rows));
+    const height = Math.min(width, 76 / (3 * rows));
     context.font = "12px sans-serif";
     context.textBaseline = "middle";
     [["A", a], ["B", b], ["A≠B", a.map((bit, i) => bit ^ b[i])]].forEach(([name, bits], k) => {
@@ -97,13 +97,13 @@ async function render({ model, el }) {
     });
   }
 
-  function paint(context, _ratio, theme) {
+  function paint(context, pixelRatio, theme) {
     const count = 8 * sizes[model.get("size")];
     const [p, q] = [model.get("first"), model.get("second")];
     const values = [patchOf(0, p - 1), patchOf(1, q - 1)];
     const [a, b] = values.map((v) => bitsOf(v, count));
     context.clearRect(0, 0, stage.width, stage.height);
-    paintMap(context, theme);
+    paintMap(context, pixelRatio, theme);
     paintPatch(context, mapWidth + gap, values[0], a, A);
     paintPatch(context, mapWidth + gap * 2 + panel, values[1], b, B);
     paintBits(context, theme, a, b);

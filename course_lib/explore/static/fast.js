@@ -51,6 +51,7 @@ async function render({ model, el }) {
 
   function prepare(context, pixelRatio) {
     const { width: columns, height: rows } = context.canvas;
+    context.imageSmoothingQuality = "high";
     context.drawImage(bitmap, 0, 0, stage.width, stage.height);
     const frame = context.getImageData(0, 0, columns, rows);
     const scale = model.get("scale") * pixelRatio;

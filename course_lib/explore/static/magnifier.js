@@ -4,6 +4,8 @@ const BRIGHTER = "#ffa500";
 const DARKER = "#1e78ff";
 const SIMILAR = "#a0a0a0";
 const GAP = 20;
+const SNAP = 5; // CSS pixels
+const DOTS = 1500; // more would hide the picture
 
 /** The longest run of one sign round the circle: its length, first place and sign. */
 function longestRun(signs) {
@@ -22,7 +24,12 @@ async function render({ model, el }) {
   const { columns, rows, panel, reach, circle } = about;
   const [mapWidth, mapHeight] = about.map;
   const grey = typed(model, "grey");
-  const bitmap = await decode(typed(model, "picture"));
+  const drawMap = backdrop(await decode(typed(model, "picture")), mapWidth, mapHeight);
+  const corners = [9, 12].map((n) => ({
+    points: typed(model, `kept${n}_points`, Uint16Array),
+    scores: typed(model, `kept${n}_scores`),
+  }));
+  let held = false; // whether the point stays although the pointer moves on
   const scale = mapWidth / columns;
   const cell = panel / (2 * reach + 1);
 
@@ -44,8 +51,20 @@ async function render({ model, el }) {
     return best;
   }
 
-  function paintMap(context, x, y) {
-    context.drawImage(bitmap, 0, 0, mapWidth, mapHeight);
+  /** Visit the corners at the slider's threshold, best first, until `visit` returns true. */
+  function eachCorner(most, visit) {
+    const { points, scores } = corners[model.get("choice")];
+    const threshold = model.get("threshold");
+    for (let i = 0; i < Math.min(most, scores.length) && scores[i] >= threshold; i++)
+      if (visit(points[2 * i], points[2 * i + 1])) return;
+  }
+
+  function paintMap(context, pixelRatio, x, y) {
+    drawMap(context, pixelRatio);
+    context.fillStyle = "#00e5ff";
+    eachCorner(DOTS, (px, py) => {
+      context.fillRect((px + 0.5) * scale - 1, (py + 0.5) * scale - 1, 2, 2);
+    });
     const [cx, cy] = [(x + 0.5) * scale, (y + 0.5) * scale];
     for (const [ink, width] of [["black", 4], ["#00e5ff", 2]]) {
       context.strokeStyle = ink;
@@ -96,7 +115,7 @@ async function render({ model, el }) {
     }
   }
 
-  function paint(context, _ratio, theme) {
+  function paint(context, pixelRatio) {
     const [x, y, t] = [model.get("x"), model.get("y"), model.get("threshold")];
     const n = model.get("choice") ? 12 : 9;
     const centre = at(x, y);
@@ -106,12 +125,11 @@ async function render({ model, el }) {
     });
     const run = longestRun(signs);
     context.clearRect(0, 0, stage.width, stage.height);
-    paintMap(context, x, y);
+    paintMap(context, pixelRatio, x, y);
     context.save();
     context.translate(mapWidth + GAP, 0);
     paintPanel(context, x, y, signs, run, n);
     context.restore();
-    context.fillStyle = theme.ink;
 
     const brighter = signs.filter((s) => s > 0).length;
     const darker = signs.filter((s) => s < 0).length;
@@ -123,11 +141,11 @@ async function render({ model, el }) {
     return (
       `(${x}, ${y}) has grey value ${centre}: ${brighter} brighter (orange), ${darker} darker ` +
       `(blue) at threshold ${t}. ${isCorner ? "CORNER" : "No corner"}: ${run.length} contiguous ${word}, ` +
-      `needs ${n}; ${rank}.`
+      `needs ${n}; ${rank}. ${held ? "Held: click the square to let go." : "Click to hold."}`
     );
   }
 
-  const stage = createStage({ model, el }, paint, { lines: 2, focusable: true });
+  const stage = createStage({ model, el }, paint, { lines: 3, focusable: true });
   const { canvas } = stage;
   canvas.style.cursor = "crosshair";
   canvas.style.touchAction = "none";
@@ -137,21 +155,38 @@ async function render({ model, el }) {
     model.set("y", Math.max(0, Math.min(rows - 1, y)));
     model.save_changes();
   }
-  function point(event) {
-    const [px, py] = stage.locate(event);
-    if (px < mapWidth && py < mapHeight) moveTo(Math.floor(px / scale), Math.floor(py / scale));
-    else if (event.type === "pointerdown" && px >= mapWidth + GAP && py < panel)
-      moveTo(
-        model.get("x") + Math.floor((px - mapWidth - GAP) / cell) - reach,
-        model.get("y") + Math.floor(py / cell) - reach,
-      );
+  /** The corner next to a place of the map, or the pixel there when no corner is near. */
+  function pick(px, py) {
+    let best = [Math.floor(px / scale), Math.floor(py / scale)];
+    let nearest = SNAP;
+    eachCorner(Infinity, (x, y) => {
+      const away = Math.hypot((x + 0.5) * scale - px, (y + 0.5) * scale - py);
+      if (away < nearest) [nearest, best] = [away, [x, y]];
+    });
+    return best;
   }
+  const onMap = (px, py) => px >= 0 && py >= 0 && px < mapWidth && py < mapHeight;
+
   canvas.addEventListener("pointerdown", (event) => {
     canvas.setPointerCapture(event.pointerId);
-    point(event);
+    const [px, py] = stage.locate(event);
+    const [x, y] = [model.get("x"), model.get("y")];
+    if (onMap(px, py)) {
+      const onSquare = Math.max(Math.abs((x + 0.5) * scale - px), Math.abs((y + 0.5) * scale - py)) < 9;
+      held = !(held && onSquare);
+      moveTo(...pick(px, py));
+    } else if (px >= mapWidth + GAP && py < panel) {
+      held = true;
+      moveTo(
+        x + Math.floor((px - mapWidth - GAP) / cell) - reach,
+        y + Math.floor(py / cell) - reach,
+      );
+    }
+    stage.redraw();
   });
   canvas.addEventListener("pointermove", (event) => {
-    if (event.buttons) point(event);
+    const [px, py] = stage.locate(event);
+    if (onMap(px, py) && (!held || event.buttons)) moveTo(...pick(px, py));
   });
   canvas.addEventListener("keydown", (event) => {
     const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[
@@ -160,6 +195,7 @@ async function render({ model, el }) {
     if (!step) return;
     event.preventDefault(); // neither the page nor the notebook's cells should move
     event.stopPropagation();
+    held = true;
     const far = event.shiftKey ? 10 : 1;
     moveTo(model.get("x") + far * step[0], model.get("y") + far * step[1]);
   });

@@ -9,8 +9,11 @@ async function render({ model, el }) {
   const shown = typed(model, "shown", Uint16Array);
   const inliers = typed(model, "inliers");
   const outlines = typed(model, "outlines", Float32Array);
-  const { all: texts, width, shift } = JSON.parse(model.get("texts"));
+  const { all: texts, width, shift, heights } = JSON.parse(model.get("texts"));
   const bitmap = await decode(typed(model, "picture"));
+
+  const page = model.get("width") / width; // picture pixels to CSS pixels
+  const drawPictures = backdrop(bitmap, model.get("width"), model.get("height"));
 
   function strokeMatches(context, state, good) {
     context.beginPath();
@@ -23,7 +26,7 @@ async function render({ model, el }) {
     context.stroke();
   }
 
-  function strokeOutline(context, state, page) {
+  function strokeOutline(context, state) {
     const at = outlines.subarray(8 * state, 8 * state + 8);
     if (Number.isNaN(at[0])) return;
     const believed = !texts[state].includes("NOT");
@@ -43,18 +46,20 @@ async function render({ model, el }) {
     context.restore();
   }
 
-  function paint(context) {
+  function paint(context, pixelRatio) {
     const last = shown.length - 1;
     const position = (model.get("value") - model.get("first")) / model.get("step");
     const state = Math.max(0, Math.min(last, Math.round(position)));
-    const page = stage.width / width; // picture pixels to CSS pixels
+    drawPictures(context, pixelRatio);
     context.save();
     context.scale(page, page);
-    context.drawImage(bitmap, 0, 0);
+    // Beside the lower picture the page shows through, be it light or dark.
+    context.clearRect(0, heights[0], shift, bitmap.height);
+    context.clearRect(shift, heights[1], width - shift, bitmap.height);
     context.lineWidth = 0.9 / page;
     strokeMatches(context, state, false);
     strokeMatches(context, state, true);
-    strokeOutline(context, state, page);
+    strokeOutline(context, state);
     context.restore();
     return texts[state];
   }
