@@ -59,6 +59,8 @@ def formula(latex: str, *, display: bool) -> str:
         mathml = latex2mathml.converter.convert(known, display=mode)
     except Exception as error:  # the library has no common base for its errors
         raise ValueError(f"formula {latex.strip()!r} cannot be read: {error!r}") from error
+    if unknown := re.search(r"\\\S*?(?=[<\s])", mathml):  # passed through as text
+        raise ValueError(f"formula {latex.strip()!r}: {unknown.group()} is not understood")
     return f'<div class="formula">{mathml}</div>' if display else mathml
 
 
