@@ -46,6 +46,22 @@ def outputs_of(cell: Any) -> Iterator[Any]:  # noqa: ANN401
     yield from cell.get("outputs", [])
 
 
+def merge_streams(cell: Any) -> None:  # noqa: ANN401
+    """Join what a cell printed in one go, in place: how it arrived in pieces is chance.
+
+    nbclient's own `coalesce_streams` takes time that grows with the square of a line's length.
+    """
+    merged: list[Any] = []
+    for output in outputs_of(cell):
+        last = merged[-1] if merged else {}
+        if output["output_type"] == "stream" and last.get("name") == output["name"]:
+            last["text"] += output["text"]
+        else:
+            merged.append(output)
+    if "outputs" in cell:
+        cell["outputs"] = merged
+
+
 def _normalise_output(output: Any, seed: str) -> None:  # noqa: ANN401
     output.get("metadata", {}).pop("execution", None)
     data = output.get("data", {})

@@ -19,6 +19,8 @@ from nbclient import NotebookClient
 from nbclient.exceptions import CellExecutionError, CellTimeoutError, DeadKernelError
 from traitlets.config import Config
 
+from course_lib.publish.normalise import merge_streams
+
 _ANSI = re.compile(r"\x1b\[[0-9;]*m")
 
 
@@ -125,7 +127,6 @@ def run_notebook(
             startup_timeout=60,
             record_timing=False,
             store_widget_state=keep_widget_state,
-            coalesce_streams=True,
             resources={"metadata": {"path": str(path.parent)}},
             on_cell_complete=cell_done,
         )
@@ -147,4 +148,6 @@ def run_notebook(
         except RuntimeError as error:
             help_text = "is the course installed in this Python? `make notebooks` sees to it"
             raise NotebookFailed(f"{path.name}: {error}; {help_text}") from error
+    for cell in notebook.cells:
+        merge_streams(cell)
     return notebook

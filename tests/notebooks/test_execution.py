@@ -132,6 +132,13 @@ def test_second_execution_changes_no_byte(tmp_path: Path) -> None:
     assert b"Software" not in base64.b64decode(data["image/png"])
 
 
+def test_printed_pieces_are_stored_as_one_text(tmp_path: Path) -> None:
+    source = "import sys, time\nfor i in range(3):\n    print(i, flush=True); time.sleep(0.3)\n"
+    source += "print('oh', file=sys.stderr)"
+    outputs = run_notebook(write(tmp_path / "a.ipynb", source)).cells[0].outputs
+    assert [(o.name, o.text) for o in outputs] == [("stdout", "0\n1\n2\n"), ("stderr", "oh\n")]
+
+
 def test_stripped_png_keeps_its_pixels() -> None:
     pixels = np.random.default_rng(0).integers(0, 256, (7, 5, 3), np.uint8)
     png = cv2.imencode(".png", pixels)[1].tobytes()
