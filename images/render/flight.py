@@ -52,6 +52,27 @@ def _animate(scene: bpy.types.Scene, poses: NDArray[np.float64]) -> None:
     scene.render.motion_blur_shutter = 0.25
 
 
+def check_camera(scene: bpy.types.Scene, pose: NDArray[np.float64]) -> None:
+    """Hold the truth against the renderer's own camera, which computes in single precision.
+
+    Parameters
+    ----------
+    scene : bpy.types.Scene
+        At the frame in question.
+    pose : ndarray, shape (4, 4)
+        The T_camera_from_world that the truth states.
+
+    Raises
+    ------
+    ValueError
+        If the pose or the camera matrix differs.
+    """
+    if not np.allclose(truth.camera_from_world(scene), pose, atol=1e-4):
+        raise ValueError(f"pose: frame {scene.frame_current} is not where Blender's camera stands")
+    if not np.allclose(truth.intrinsics(scene), flight_path.camera_matrix(), atol=1e-3):
+        raise ValueError("camera matrix: differs from Blender's camera; compare HFOV and SIZE")
+
+
 def render_frames(flight: flight_path.Flight, wanted: range) -> list[Path]:
     """Render the frames that are not there yet; return the paths of all wanted ones."""
     folder = CACHE / flight.name
@@ -65,6 +86,7 @@ def render_frames(flight: flight_path.Flight, wanted: range) -> list[Path]:
     begun = time.monotonic()
     for done, (index, path) in enumerate(missing, 1):
         scene.frame_set(index)
+        check_camera(scene, flight_path.poses(flight)[index])
         part = path.with_name(f"part_{path.name}")
         yard.render(scene, part)
         part.replace(path)
@@ -126,8 +148,22 @@ def write_bag(path: Path, pictures: list[NDArray[np.uint8]]) -> list[int]:
     return stamps
 
 
-def record(flight: flight_path.Flight, out: Path, wanted: range) -> None:
-    """Render a flight, write its bag and its truth."""
+def record(flight: flight_path.Flight, out: Path, wanted: range) -> Path:
+    """Render a flight, write its bag and its truth.
+
+    Parameters
+    ----------
+    flight : Flight
+    out : Path
+        Folder of the pictures.
+    wanted : range
+        Frames to record.
+
+    Returns
+    -------
+    Path
+        The bag.
+    """
     paths = render_frames(flight, wanted)
     seed = sum(flight.name.encode())
     pictures = [see(path, index, seed) for index, path in zip(wanted, paths, strict=True)]
@@ -153,12 +189,29 @@ def record(flight: flight_path.Flight, out: Path, wanted: range) -> None:
         "wall_y": yard_world.WALL_Y,
         "frames": frames,
     }
-    if flight.template:
-        about["template"] = {"frame": flight.template[0], "rect": list(flight.template[1])}
+    if flight.template and flight.template[0] in wanted:
+        index, rect = flight.template
+        about["template"] = {"frame": wanted.index(index), "rect": list(rect)}
     truth.write(bag.parent / "truth" / f"{bag.stem}.json", about)
+    return bag
 
 
-def main(out: Path, *, preview: bool) -> None:
-    """Record every flight; a preview takes every tenth frame only."""
-    for flight in (flight_path.MAIN, *flight_path.HELD_OUT):
-        record(flight, out, range(0, flight.length, 10 if preview else 1))
+def main(out: Path, *, preview: bool = False) -> list[Path]:
+    """Record every flight.
+
+    Parameters
+    ----------
+    out : Path
+        Folder of the pictures.
+    preview : bool
+        Take every tenth frame only.
+
+    Returns
+    -------
+    list of Path
+        The bags.
+    """
+    flights = (flight_path.MAIN, *flight_path.HELD_OUT)
+    return [
+        record(flight, out, range(0, flight.length, 10 if preview else 1)) for flight in flights
+    ]

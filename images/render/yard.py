@@ -107,7 +107,6 @@ def build(samples: int = 16) -> bpy.types.Scene:
     _sky(scene)
     _sun()
     lens = bpy.data.cameras.new("front")
-    lens.sensor_fit = "HORIZONTAL"
     lens.angle = HFOV
     lens.clip_end = 300
     scene.camera = bpy.data.objects.new("front", lens)

@@ -7,6 +7,8 @@ that follows from the truth alone; OpenCV's matches on the wall must obey it.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +40,14 @@ def apply(H: np.ndarray, points: np.ndarray) -> np.ndarray:
     return cv2.perspectiveTransform(points[None].astype(np.float64), H)[0]
 
 
+@lru_cache(maxsize=64)
+def features(pixels: bytes, shape: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
+    grey = cv2.cvtColor(np.frombuffer(pixels, np.uint8).reshape(shape), cv2.COLOR_BGR2GRAY)
+    # SIFT places its keypoints to a fraction of a pixel, ORB only to one or two.
+    keypoints, descriptors = cv2.SIFT_create(1500).detectAndCompute(grey, None)
+    return np.array([k.pt for k in keypoints]), descriptors
+
+
 def wall_error(
     flight: tuple[list[Any], dict[str, Any]],
     change: Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]] = lambda T, K: (T, K),
@@ -48,23 +58,20 @@ def wall_error(
     Infinite when hardly a match lies where the cameras are said to see the wall.
     """
     frames, truth = flight
-    # SIFT places its keypoints to a fraction of a pixel, ORB only to one or two.
-    sift, matcher = cv2.SIFT_create(1500), cv2.BFMatcher(cv2.NORM_L2, crossCheck=True)
+    matcher = cv2.BFMatcher(cv2.NORM_L2, crossCheck=True)
     errors: list[float] = []
     for i in range(0, len(frames) - step, max(step, len(frames) // 10)):
-        Hs, features = [], []
+        Hs, found = [], []
         for frame in (frames[i], frames[i + step]):
             record = frame.truth
             T, K = change(np.array(record["T_camera_from_world"]), np.array(truth["camera"]["K"]))
             Hs.append(wall_from_pixels(T, K, truth["wall_y"]))
-            grey = cv2.cvtColor(frame.image, cv2.COLOR_BGR2GRAY)
-            keypoints, descriptors = sift.detectAndCompute(grey, None)
-            features.append((np.array([k.pt for k in keypoints]), descriptors))
-        matches = [m for m in matcher.match(features[0][1], features[1][1]) if m.distance < 150]
+            found.append(features(frame.image.tobytes(), frame.image.shape))
+        matches = [m for m in matcher.match(found[0][1], found[1][1]) if m.distance < 150]
         if len(matches) < 20:
             continue
-        a = features[0][0][[m.queryIdx for m in matches]]
-        b = features[1][0][[m.trainIdx for m in matches]]
+        a = found[0][0][[m.queryIdx for m in matches]]
+        b = found[1][0][[m.trainIdx for m in matches]]
         x, z = apply(Hs[0], a).T
         on_wall = (x > WALL_X[0]) & (x < WALL_X[1]) & (z > WALL_Z[0]) & (z < WALL_Z[1])
         if not on_wall.any():
@@ -119,6 +126,31 @@ def test_silhouette_lies_on_the_roof_and_the_stones(
         gains.append(inside_share(foot + [60, 0], green) - inside_share(foot, green))
         gains.append(inside_share(foot + [-60, 0], green) - inside_share(foot, green))
     assert np.mean(gains) > 0.1
+
+
+def best_shift(frames: list[Any], *, reach: int = 5) -> np.ndarray:
+    """Shift of the silhouettes, in pixels, at which they lie best on the pictures' edges."""
+    shifts = [(x, y) for x in range(-reach, reach + 1) for y in range(-reach, reach + 1)]
+    strength = np.zeros(len(shifts))
+    for frame in frames:
+        grey = cv2.GaussianBlur(cv2.cvtColor(frame.image, cv2.COLOR_BGR2GRAY), (0, 0), 1.2)
+        grey = grey.astype(np.float32)
+        edges = np.hypot(cv2.Sobel(grey, cv2.CV_32F, 1, 0), cv2.Sobel(grey, cv2.CV_32F, 0, 1))
+        edges = np.pad(edges, reach)
+        outline = np.zeros(frame.image.shape[:2], np.uint8)
+        polygon = np.array(frame.truth["well"]["polygon"], np.int32)
+        y, x = np.nonzero(cv2.polylines(outline, [polygon], isClosed=True, color=1))
+        strength += [edges[y + dy + reach, x + dx + reach].mean() for dx, dy in shifts]
+    return np.array(shifts[int(strength.argmax())])
+
+
+@pytest.mark.parametrize("moved", [(0, 0), (3, 0), (0, -3)])
+def test_silhouette_lies_on_edges_and_a_shift_is_noticed(
+    flight: tuple[list[Any], dict[str, Any]], moved: tuple[int, int]
+) -> None:
+    whole = [frame for frame in flight[0] if frame.truth["well"]["visible"] == 1][::6]
+    shifted = [replace(frame, image=np.roll(frame.image, moved, axis=(1, 0))) for frame in whole]
+    assert np.abs(best_shift(shifted) - moved).max() <= 1
 
 
 def test_well_leaves_and_comes_back() -> None:
