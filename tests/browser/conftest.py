@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import re
 import secrets
@@ -79,6 +80,11 @@ def _free_port() -> int:
 def running_lab(root: Path, scratch: Path) -> Iterator[Lab]:
     """Serve a folder with JupyterLab, with settings of its own, and end it with its kernels."""
     port, token = _free_port(), secrets.token_hex(8)
+    labconfig = scratch / "config" / "labconfig"
+    labconfig.mkdir(parents=True)
+    # On a busy machine JupyterLab's splash screen may remove itself twice, an error in the console.
+    splash = {"disabledExtensions": {"@jupyterlab/apputils-extension:splash": True}}
+    (labconfig / "page_config.json").write_text(json.dumps(splash))
     environment = os.environ | {
         "JUPYTER_CONFIG_DIR": str(scratch / "config"),
         "JUPYTER_DATA_DIR": str(scratch / "data"),
