@@ -185,6 +185,10 @@ def test_the_outline_is_the_cut_outs_own(name: str) -> None:
     assert (alpha & moved).sum() / (alpha | moved).sum() < 0.98
 
 
+def test_there_are_enough_backgrounds() -> None:
+    assert len(BACKGROUNDS) >= 4
+
+
 @pytest.mark.parametrize("name", BACKGROUNDS)
 def test_backgrounds_hold_no_mug(name: str) -> None:
     assert images.load(name).shape == (600, 900, 3)
