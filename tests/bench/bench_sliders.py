@@ -33,7 +33,7 @@ from conftest import CHROMIUM, FLAGS, run_all, running_lab
 
 BLOCKS = 4
 DRAG_CHANGES, DRAG_STEP = 20, 0.020  # seconds
-DRAGS = 3
+DRAGS = 5
 
 FAST = (
     """
