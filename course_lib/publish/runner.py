@@ -7,7 +7,9 @@ import re
 import signal
 import sys
 import tempfile
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Coroutine
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -61,8 +63,9 @@ class InterruptibleClient(NotebookClient):
             if task is not None:
                 task.cancel()
 
-        for number in (signal.SIGINT, signal.SIGTERM):
-            loop.add_signal_handler(number, stop)
+        if threading.current_thread() is threading.main_thread():
+            for number in (signal.SIGINT, signal.SIGTERM):
+                loop.add_signal_handler(number, stop)
         await super().async_start_new_kernel(**options)
 
     async def run(self, **options: Any) -> None:  # noqa: ANN401
@@ -72,6 +75,17 @@ class InterruptibleClient(NotebookClient):
         finally:
             if self.km is not None and await ensure_async(self.km.is_alive()):
                 await ensure_async(self.km.shutdown_kernel(now=True))
+
+
+def _run(work: Coroutine[Any, Any, None]) -> None:
+    """Run a coroutine to its end, also where an event loop runs already, as in a notebook."""
+    try:
+        asyncio.get_running_loop()
+    except RuntimeError:
+        asyncio.run(work)
+        return
+    with ThreadPoolExecutor(1) as thread:
+        thread.submit(asyncio.run, work).result()
 
 
 def run_notebook(
@@ -132,7 +146,7 @@ def run_notebook(
         )
         environment = {**os.environ, "MPLBACKEND": "module://matplotlib_inline.backend_inline"}
         try:
-            asyncio.run(client.run(env=environment))
+            _run(client.run(env=environment))
         except asyncio.CancelledError:
             raise KeyboardInterrupt from None
         except CellExecutionError as error:

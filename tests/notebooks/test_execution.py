@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import base64
 import os
 import resource
@@ -205,3 +206,13 @@ def cwd_of(pid: str) -> bytes:
         return os.fsencode(Path(f"/proc/{pid}/cwd").readlink())
     except OSError:
         return b""
+
+
+def test_notebook_runs_where_an_event_loop_runs_already(tmp_path: Path) -> None:
+    """As in a notebook's own cell, or after browser tests in the same process."""
+    path = write(tmp_path / "a.ipynb", "print(6 * 7)")
+
+    async def from_a_coroutine() -> str:
+        return str(run_notebook(path).cells[0].outputs[0].text)
+
+    assert asyncio.run(from_a_coroutine()) == "42\n"
