@@ -23,7 +23,7 @@ def main(out: Path, *, preview: bool) -> None:
     """Take the photograph."""
     scene = studio.fresh_scene(*SIZE, samples=20 if preview else 128, seed=3)
     shelf.build(scene, 7)
-    cup = mug.add_mug(scene, location=(0.07, -0.015, 0), yaw=13)
+    cup = mug.add_mug(scene, location=(0.07, -0.015, 0), yaw=10.5)
     props.can(scene, 34, location=(-0.17, -0.02, 0))
     props.die(scene, 45, location=(-0.07, -0.04, 0), turn=0.5)
     props.book(scene, 51, (0.17, 0.12, 0.022), location=(0.3, -0.0, 0.011), rotation=(0, 0, 0.12))
@@ -42,7 +42,7 @@ def main(out: Path, *, preview: bool) -> None:
     about["homography_print"] = cv2.getPerspectiveTransform(
         template.astype(np.float32), about["print_corners"].astype(np.float32)
     )
-    picture = sensor.expose(studio.render(scene), seed=12, blur=0.9, electrons=2400)
+    picture = sensor.expose(studio.render(scene), seed=12, blur=1.0, electrons=1200)
     sensor.save(out / NAME, picture)
     mug.write_truth(out, NAME, scene, about)
 
