@@ -83,8 +83,10 @@ def test_notebook_runs_alone_offline_in_good_time_and_leaves_nothing(
     nbformat.write(notebook, copy)
     wall, work = time.perf_counter(), cpu_seconds()
     run_notebook(copy, cell_timeout=120)
-    # On a busy machine the clock on the wall measures the others.
-    assert min(time.perf_counter() - wall, cpu_seconds() - work) < BAR_SECONDS
+    wall, work = time.perf_counter() - wall, cpu_seconds() - work
+    # Where processes queue for the processors, the clock on the wall measures the others.
+    is_busy = os.getloadavg()[0] > (os.cpu_count() or 1)
+    assert (min(wall, work) if is_busy else wall) < BAR_SECONDS
 
 
 def test_network_is_refused_by_name(tmp_path: Path) -> None:
