@@ -150,6 +150,7 @@ def book(
     *,
     location: Triple,
     rotation: Triple = (0, 0, 0),
+    words: str | None = None,
 ) -> None:
     """Add a lying book: spine to the front, cover on top.
 
@@ -161,9 +162,10 @@ def book(
     size : sequence of 3 floats
         Length of the spine, width, thickness; metres.
     location, rotation : sequence of 3 floats
+    words : str, optional
+        Its title; drawn by the seed without it.
     """
-    rng = np.random.default_rng(seed)
-    words = title(rng)
+    words = words or title(np.random.default_rng(seed))
     pixels = 2600  # per metre
     spine = lettered(
         np.random.default_rng(seed), (int(size[0] * pixels), int(size[2] * pixels)), words

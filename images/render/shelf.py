@@ -11,11 +11,19 @@ import props
 import studio
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     import bpy
 
 
 def standing_book(
-    scene: bpy.types.Scene, seed: int, x: float, *, y: float, lean: float = 0.0
+    scene: bpy.types.Scene,
+    seed: int,
+    x: float,
+    *,
+    y: float,
+    lean: float = 0.0,
+    cover: tuple[int, str] | None = None,
 ) -> float:
     """Stand a book on the board, its spine to the front; return its thickness.
 
@@ -29,11 +37,14 @@ def standing_book(
         Of its spine.
     lean : float
         Radians to the left.
+    cover : (seed, title), optional
+        How it looks; `seed` decides without it.
     """
     rng = np.random.default_rng(seed)
     thick, tall = float(rng.uniform(0.016, 0.042)), float(rng.uniform(0.17, 0.235))
     depth = 0.14
-    spine = props.lettered(rng, (int(tall * 3400), int(thick * 3400)), props.title(rng))
+    look, words = (np.random.default_rng(cover[0]), cover[1]) if cover else (rng, props.title(rng))
+    spine = props.lettered(look, (int(tall * 3400), int(thick * 3400)), words)
     upright = cv2.rotate(spine, cv2.ROTATE_90_CLOCKWISE)
     body = materials.paper(f"pages {seed}", materials.rgb("#e6dcc4"))
     props.printed_box(
@@ -46,7 +57,12 @@ def standing_book(
 
 
 def build(
-    scene: bpy.types.Scene, seed: int, *, gap: tuple[float, float] | None = None, wide: float = 0.75
+    scene: bpy.types.Scene,
+    seed: int,
+    *,
+    gap: tuple[float, float] | None = None,
+    wide: float = 0.75,
+    covers: Mapping[int, tuple[int, str]] | None = None,
 ) -> None:
     """Build a shelf: boards, back, a row of books, and things before them.
 
@@ -59,6 +75,8 @@ def build(
         Metres along x that the books leave free.
     wide : float
         The row reaches so far to either side.
+    covers : mapping, optional
+        A book's number in the row, from the left, to its cover: see `standing_book`.
     """
     rng = np.random.default_rng(seed)
     wood = materials.wood("shelf", rings=16, light=materials.rgb("#b98a55"))
@@ -72,8 +90,10 @@ def build(
         if gap and gap[0] - 0.03 < x < gap[1]:
             x = gap[1]
         lean = float(rng.choice([0, 0, 0, 0.06, -0.05]))
-        x += standing_book(scene, 100 * seed + number, x, y=0.06 + 0.02 * float(rng.random()),
-                           lean=lean) + 0.002 + abs(lean) * 0.2  # fmt: skip
+        x += 0.002 + abs(lean) * 0.2 + standing_book(
+            scene, 100 * seed + number, x, y=0.06 + 0.02 * float(rng.random()), lean=lean,
+            cover=(covers or {}).get(number),
+        )  # fmt: skip
         number += 1
 
 
