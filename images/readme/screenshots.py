@@ -15,14 +15,13 @@ HERE = Path(__file__).resolve().parent
 SHOTS = (
     ("magnifier", "4_1_fast", 0, 0),
     ("fast", "4_1_fast", 1, 10),
-    ("brief", "4_3_brief", 0, 0),
     ("matches", "4_4_orb_matching", 0, 0),
     ("flight", "4_5_drone", 0, 10),
 )
 
 
 def main(site: Path) -> None:
-    """Take every picture and store it with a palette, as small as it is clear."""
+    """Take every picture and store it."""
     with sync_playwright() as playwright:
         flags = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
         browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=flags)
@@ -40,7 +39,7 @@ def main(site: Path) -> None:
             shot = Image.open(io.BytesIO(viewer.screenshot())).convert("RGB")
             paper = Image.new("RGB", shot.size, shot.getpixel((shot.width - 1, 0)))
             shot = shot.crop(ImageChops.difference(shot, paper).getbbox())
-            shot.quantize(200, dither=Image.Dither.NONE).save(HERE / f"{name}.png", optimize=True)
+            shot.save(HERE / f"{name}.png", optimize=True)
             print(f"{name}.png {shot.size}")
         browser.close()
 
