@@ -19,7 +19,6 @@ from course_lib.explore._base import (
     link,
     module,
     slider,
-    stylesheet,
 )
 from course_lib.explore._still import caption
 from course_lib.segment_test import is_maximum, score_map
@@ -41,7 +40,6 @@ class BriefCanvas(Canvas):
     """Two patches, the tests upon them and the bits that result."""
 
     _esm = module("brief")
-    _css = stylesheet()
 
     geometry = Int().tag(sync=True)
     size = Int().tag(sync=True)

@@ -17,7 +17,6 @@ from course_lib.explore._base import (
     link,
     module,
     slider,
-    stylesheet,
 )
 from course_lib.explore._still import caption
 from course_lib.segment_test import is_maximum, score_map
@@ -32,7 +31,6 @@ class FastCanvas(Canvas):
     """Corners over a picture; `all_*` without suppression, `kept_*` with it, best score first."""
 
     _esm = module("fast")
-    _css = stylesheet()
 
     threshold = Int().tag(sync=True)
     nonmax = Bool().tag(sync=True)

@@ -18,7 +18,6 @@ from course_lib.explore._base import (
     link,
     module,
     slider,
-    stylesheet,
 )
 from course_lib.explore._estimate import Estimate, Pairer, estimate
 from course_lib.explore._still import caption
@@ -53,7 +52,6 @@ class FlightCanvas(Canvas):
     """Frames of a flight; an outline for every frame and match count."""
 
     _esm = module("flight")
-    _css = stylesheet()
 
     position = Int().tag(sync=True)
     count = Int().tag(sync=True)

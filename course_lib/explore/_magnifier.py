@@ -18,7 +18,6 @@ from course_lib.explore._base import (
     link,
     module,
     slider,
-    stylesheet,
 )
 from course_lib.explore._fast import ranked
 from course_lib.explore._still import caption
@@ -38,7 +37,6 @@ class MagnifierCanvas(Canvas):
     """A picture to point at, and beside it the sixteen circle pixels of the point."""
 
     _esm = module("magnifier")
-    _css = stylesheet()
 
     threshold = Int().tag(sync=True)
     choice = Int().tag(sync=True)

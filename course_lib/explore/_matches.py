@@ -17,7 +17,6 @@ from course_lib.explore._base import (
     link,
     module,
     slider,
-    stylesheet,
 )
 from course_lib.explore._estimate import Estimate, Pairer, Pairing, estimate
 from course_lib.explore._still import caption
@@ -37,7 +36,6 @@ class MatchCanvas(Canvas):
     """Two pictures side by side; one estimate for every position of the slider."""
 
     _esm = module("matches")
-    _css = stylesheet()
 
     value = Float().tag(sync=True)
     first = Float().tag(sync=True)
