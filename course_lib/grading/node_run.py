@@ -1,0 +1,140 @@
+"""Runs a student's ROS node in the sandbox, on given pictures; what it did comes back as data."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+import cv2
+import numpy as np
+
+from course_lib.offline_ros import NodeError, OfflineRosError, run_node
+from course_lib.offline_ros.messages import message_class
+from course_lib.offline_ros.recorder import Recorder
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from course_lib.offline_ros import Recording
+
+_MOST_MESSAGES = 2000  # of a topic
+_MOST_PICTURES = 4  # of a topic, from its beginning: an outlined picture is looked at, not measured
+_MOST_FILES = 8
+_MOST_LOG = 4000
+_PICTURES = frozenset({".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp"})
+
+
+def run(
+    path: str,
+    stamps: list[int],
+    frames: list[bytes],
+    topic: str,
+    params: dict[str, Any],
+    timeout: float,
+) -> dict[str, object]:
+    """Run a node on pictures, as plain data.
+
+    Parameters
+    ----------
+    path : str
+        The node's file.
+    stamps : list of int
+        When each picture was taken, ns.
+    frames : list of bytes
+        The pictures, JPEG.
+    topic : str
+        Where they are published, raw.
+    params : dict
+        The node's private parameters.
+    timeout : float
+        Seconds.
+
+    Returns
+    -------
+    dict
+        `topics`: name → list of (stamp ns, value); `counts`: name → number of messages;
+        `files`: pictures that it saved, name → bytes; `error`: None or why it ended; `log`.
+    """
+    started = time.time() - 1  # a file system's clock is coarse
+    error = None
+    with TemporaryDirectory(prefix="frames_") as folder:
+        bag = Path(folder) / "camera.bag"
+        _write_bag(bag, stamps, frames, topic)
+        recording: Recording | None
+        try:
+            recording = run_node(path, bag=bag, params=params, timeout=timeout, stall=timeout)
+        except NodeError as failure:
+            recording, error = failure.recording, f"{failure}\n{failure.traceback}"
+        except (OfflineRosError, OSError, ValueError) as failure:
+            recording, error = None, str(failure)
+    topics = {name: list(_values(recording, name)) for name in recording or ()}
+    return {
+        "topics": topics,
+        "counts": {name: len(recording[name]) for name in recording} if recording else {},
+        "files": _saved(started),
+        "error": error and error[-_MOST_LOG:],
+        "log": recording.output[-_MOST_LOG:] if recording else "",
+    }
+
+
+def _write_bag(path: Path, stamps: list[int], frames: list[bytes], topic: str) -> None:
+    compressed = message_class("sensor_msgs/CompressedImage")
+    recorder = Recorder(path)
+    for stamp, jpeg in zip(stamps, frames, strict=True):
+        message = compressed(format="bgr8; jpeg compressed bgr8", data=jpeg)
+        message.header.stamp.secs, message.header.stamp.nsecs = divmod(stamp, 10**9)
+        recorder.write_message(f"{topic}/compressed", stamp, message)
+    recorder.close()
+
+
+def _values(recording: Recording | None, topic: str) -> Iterator[tuple[int, object]]:
+    pictures = 0
+    for number, (published, message) in enumerate(recording.stream(topic) if recording else ()):
+        is_picture = message._type in {"sensor_msgs/Image", "sensor_msgs/CompressedImage"}  # noqa: SLF001
+        pictures += is_picture
+        if number >= _MOST_MESSAGES or pictures > _MOST_PICTURES:
+            return
+        header = getattr(message, "header", None)
+        stamp = header.stamp.secs * 10**9 + header.stamp.nsecs if header else 0
+        yield stamp or published, _value(message)
+
+
+def _value(message: Any) -> object:  # noqa: ANN401
+    kind = message._type  # noqa: SLF001
+    if kind in {"geometry_msgs/PolygonStamped", "geometry_msgs/Polygon"}:
+        polygon = message.polygon if kind.endswith("Stamped") else message
+        points = [(point.x, point.y) for point in polygon.points]
+        return np.array(points, np.float64).reshape(-1, 2)
+    if kind == "sensor_msgs/Image":
+        return _picture(message)
+    if kind == "sensor_msgs/CompressedImage":
+        return cv2.imdecode(np.frombuffer(message.data, np.uint8), cv2.IMREAD_COLOR)
+    data = getattr(message, "data", None)
+    if kind.startswith("std_msgs/") and data is not None:
+        return np.asarray(data) if kind.endswith("MultiArray") else data
+    return {"type": kind}
+
+
+def _picture(message: Any) -> object:  # noqa: ANN401
+    """Give a picture as BGR; None for an encoding that no student is asked to publish."""
+    channels = {"bgr8": 3, "rgb8": 3, "mono8": 1, "8UC3": 3, "8UC1": 1}.get(message.encoding)
+    if channels is None:
+        return None
+    rows = np.frombuffer(bytes(message.data), np.uint8).reshape(message.height, -1)
+    array = rows[:, : message.width * channels].reshape(message.height, message.width, channels)
+    return array[..., ::-1] if message.encoding == "rgb8" else array
+
+
+def _saved(since: float) -> dict[str, bytes]:
+    """Give the pictures that were saved below the working folder since a time."""
+    here = Path.cwd()
+    found: dict[str, bytes] = {}
+    for path in sorted(here.rglob("*")):
+        if path.suffix.lower() not in _PICTURES or path.is_symlink() or not path.is_file():
+            continue
+        status = path.stat()
+        if status.st_mtime >= since and status.st_size <= 8 * 2**20 and len(found) < _MOST_FILES:
+            found[path.relative_to(here).as_posix()] = path.read_bytes()
+    return found
