@@ -36,7 +36,7 @@ def small_change(picture: Image, rng: np.random.Generator) -> Image:
 
 def dimmed(picture: Image, rng: np.random.Generator) -> Image:
     """Return the picture in dim, warm, uneven light, with less contrast."""
-    level = rng.uniform(0.34, 0.5)
+    level = rng.uniform(0.42, 0.6)
     warmth = rng.uniform(0.12, 0.28)
     dark = exposed(picture, (level * (1 - warmth), level, level * (1 + warmth))).astype(np.int32)
     uneven = light(rng, picture.shape[0], picture.shape[1], 60)

@@ -91,10 +91,11 @@ def mug_box(number: int) -> tuple[int, int, int, int]:
 
 
 @cache
-def print_corners(number: int) -> NDArray[np.float64]:
-    """Return where the print's corners are on mug ``number``: TL, BL, BR, TR, shape (4, 2)."""
+def print_places(number: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the print's corners on mug ``number``, TL, BL, BR, TR, and points all over it."""
     mug = record(f"mug_{number + 1}.png")["objects"]["mug"]
-    return np.array(mug["print_corners"], np.float64)
+    grid = np.array(mug["print_grid"], np.float64).reshape(-1, 2)
+    return np.array(mug["print_corners"], np.float64), grid
 
 
 @cache

@@ -118,10 +118,8 @@ def _make(seed: int, kind: str) -> MugScene:
         scene, heldout.mug_canvas(number), H @ H_template_from_mug, heldout.mug_box(number)
     )
     hidden = _cover(scene, shown, behind, rng) if kind == "cover" else 0.0
-    scene = camera.small_change(scene, rng)
-    if kind == "dim":
-        scene = camera.dimmed(scene, rng)
-    elif kind == "noise":
+    scene = camera.dimmed(scene, rng) if kind == "dim" else camera.small_change(scene, rng)
+    if kind == "noise":
         scene = camera.bad_sensor(scene, rng)
     corners = project(H, template_corners(MUG_SIZE).astype(np.float64)).astype(np.float32)
     return MugScene(mug, scene, corners, H, kind, hidden)

@@ -84,21 +84,15 @@ def blank_mug(number: int) -> Image:
     bright = cv2.dilate(mug[..., :3], np.ones((25, 25), np.uint8)).astype(np.int64)
     smooth = _box_mean(bright, 12)
     ink = solid & ((bright - mug[..., :3]).max(axis=2) > 14)
-    corners = heldout.print_corners(number)
-    printed = cv2.fillConvexPoly(
-        np.zeros(mug.shape[:2], np.uint8), _grown(corners).astype(np.int32), 1
-    )
-    region = (printed > 0) & cv2.dilate(ink.astype(np.uint8), np.ones((5, 5), np.uint8)).astype(
-        bool
-    )
+    corners, grid = heldout.print_places(number)
+    hull = cv2.convexHull(np.concatenate([corners, grid]).astype(np.float32)).astype(np.int32)
+    printed = cv2.fillConvexPoly(np.zeros(mug.shape[:2], np.uint8), hull, 1)
+    printed = cv2.dilate(printed, np.ones((15, 15), np.uint8))
+    near_ink = cv2.dilate(ink.astype(np.uint8), np.ones((5, 5), np.uint8))
+    region = (printed > 0) & (near_ink > 0)
     mug[..., :3][region & solid] = smooth[region & solid].astype(np.uint8)
     mug.flags.writeable = False
     return mug
-
-
-def _grown(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    middle = corners.mean(axis=0)
-    return np.asarray(middle + (corners - middle) * 1.16)
 
 
 def _box_mean(values: NDArray[np.int64], radius: int) -> NDArray[np.int64]:
@@ -128,10 +122,10 @@ def other_mug(number: int, rng: np.random.Generator) -> Canvas:
     """
     width, height = PRINT_SIZE
     flat = np.zeros((height, width, 4), np.uint8)
-    for _ in range(int(rng.integers(22, 34))):
+    for _ in range(int(rng.integers(16, 30))):
         ink = (*INKS[int(rng.integers(len(INKS)))], 255)
         centre = np.array([rng.integers(20, width - 20), rng.integers(20, height - 20)])
-        reach = int(rng.integers(8, 30))
+        reach = int(rng.integers(14, 60))
         sides = int(rng.integers(3, 7))
         around = rng.integers(-reach, reach + 1, (sides, 2))
         shape = cv2.convexHull((centre + around).astype(np.int32))
@@ -140,7 +134,7 @@ def other_mug(number: int, rng: np.random.Generator) -> Canvas:
             cv2.fillConvexPoly(flat, centre + (shape - centre) // 2, (235, 235, 235, 255))
     source = np.array([[0, 0], [0, height - 1], [width - 1, height - 1], [width - 1, 0]])
     to_mug = cv2.getPerspectiveTransform(
-        source.astype(np.float32), heldout.print_corners(number).astype(np.float32)
+        source.astype(np.float32), heldout.print_places(number)[0].astype(np.float32)
     )
     mug = blank_mug(number).astype(np.uint16)
     box = (0, 0, mug.shape[1], mug.shape[0])

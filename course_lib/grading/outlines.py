@@ -1,0 +1,154 @@
+"""Outlines as data: four corners, how far off they are, how much they overlap."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import cv2
+import numpy as np
+
+from course_lib.homography import template_corners
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+# Nothing that a camera can see lies further away; beyond it, squares and areas may overflow.
+FARTHEST = 1e6
+
+
+def as_outline(found: object) -> NDArray[np.float64] | None:
+    """
+    Return four corners as numbers, or None if they are not that.
+
+    Parameters
+    ----------
+    found : object
+        Anything that a submission may return.
+
+    Returns
+    -------
+    ndarray of float64, shape (4, 2), or None
+        None for another shape, for what is not real numbers, for NaN and infinity.
+    """
+    if found is None or isinstance(found, str | bytes):
+        return None
+    try:
+        points = np.asarray(found)
+    except (TypeError, ValueError):  # ragged lists
+        return None
+    if points.shape != (4, 2) or points.dtype.kind not in "iuf":
+        return None
+    numbers = points.astype(np.float64)
+    return numbers if np.isfinite(numbers).all() else None
+
+
+def corner_error(found: object, true: ArrayLike) -> float:
+    """
+    Return how far four corners are off.
+
+    Parameters
+    ----------
+    found : object
+        Anything that a submission may return.
+    true : array_like, shape (4, 2)
+
+    Returns
+    -------
+    float
+        The root of the mean squared distance of the four corners, in pixels. Infinite for
+        anything that is not four finite points.
+
+    Examples
+    --------
+    >>> square = [[0, 0], [0, 9], [9, 9], [9, 0]]
+    >>> corner_error(np.add(square, [3, 4]), square)
+    5.0
+    >>> corner_error(None, square)
+    inf
+    """
+    points = as_outline(found)
+    if points is None or np.abs(points).max() > FARTHEST:
+        return math.inf
+    offsets = points - np.asarray(true, np.float64).reshape(4, 2)
+    return float(np.sqrt((offsets**2).sum(axis=1).mean()))
+
+
+def expected_outline(
+    crop: ArrayLike, silhouette_there: ArrayLike, silhouette_here: ArrayLike
+) -> NDArray[np.float64]:
+    """
+    Return where the outline of a student's own crop of the well belongs in another frame.
+
+    The well is no plane, so no homography is the true one. What can be asked is that the outline
+    lies about the well as the crop's rectangle did: the box around the silhouette in the crop's
+    frame is sent to the box around the silhouette here, and the rectangle goes along. A crop with
+    a wide margin, or of the stone ring alone, is thus judged by itself.
+
+    Parameters
+    ----------
+    crop : array_like (x, y, width, height)
+        The crop's rectangle in the frame it was cut from, pixels.
+    silhouette_there, silhouette_here : array_like, shape (N, 2)
+        The well's whole silhouette in that frame and in this.
+
+    Returns
+    -------
+    ndarray of float64, shape (4, 2)
+    """
+    x, y, width, height = np.asarray(crop, np.float64)
+    corners = template_corners((int(width), int(height))).astype(np.float64) + (x, y)
+    low_there, low_here = (np.min(each, axis=0) for each in (silhouette_there, silhouette_here))
+    size_there, size_here = (np.ptp(each, axis=0) for each in (silhouette_there, silhouette_here))
+    return np.asarray(low_here + (corners - low_there) * size_here / size_there, np.float64)
+
+
+def outline_overlap(found: object, expected: ArrayLike) -> float:
+    """
+    Return how much two outlines overlap: intersection over union.
+
+    Parameters
+    ----------
+    found : object
+        What the submission returned.
+    expected : array_like, shape (4, 2)
+        Convex; see :func:`expected_outline`.
+
+    Returns
+    -------
+    float
+        From 0 to 1. 0 for what is not four points, for a folded or mirrored outline, and for
+        corners in another order than ``expected``'s (turned by more than 45°).
+    """
+    points = as_outline(found)
+    if points is None or np.abs(points).max() > FARTHEST:
+        return 0.0
+    right = np.asarray(expected, np.float64).reshape(4, 2)
+    if not is_upright_like(points, right):
+        return 0.0
+    areas = [abs(_signed_area(each)) for each in (points, right)]
+    shared, _ = cv2.intersectConvexConvex(points.astype(np.float32), right.astype(np.float32))
+    union = sum(areas) - shared
+    return float(min(max(shared / union, 0.0), 1.0)) if union > 0 else 0.0
+
+
+def is_upright_like(points: NDArray[np.float64], right: NDArray[np.float64]) -> bool:
+    """Tell whether an outline is convex, and runs and starts as another: turned by under 45°."""
+    if not is_convex(points) or _signed_area(points) * _signed_area(right) <= 0:
+        return False
+    a, b = points - points.mean(axis=0), right - right.mean(axis=0)
+    scores = [float((np.roll(a, turn, axis=0) * b).sum()) for turn in range(4)]
+    return int(np.argmax(scores)) == 0
+
+
+def is_convex(points: NDArray[np.float64]) -> bool:
+    """Tell whether four corners in order go around a convex shape of some size."""
+    sides = np.roll(points, -1, axis=0) - points
+    following = np.roll(sides, -1, axis=0)
+    turns = sides[:, 0] * following[:, 1] - sides[:, 1] * following[:, 0]
+    return bool((turns > 1e-6).all() or (turns < -1e-6).all())
+
+
+def _signed_area(points: NDArray[np.float64]) -> float:
+    x, y = points.T
+    return float((x * np.roll(y, -1) - np.roll(x, -1) * y).sum() / 2)
