@@ -53,7 +53,7 @@ def credit(error: float, tolerance: Tolerance) -> float:
     Examples
     --------
     >>> [round(credit(error, Tolerance(10, 40)), 2) for error in (3, 10, 14, 20, 30, 40)]
-    [1.0, 1.0, 0.86, 0.5, 0.11, 0.0]
+    [1.0, 1.0, 0.86, 0.5, 0.1, 0.0]
     """
     if error <= tolerance.full:
         return 1.0
