@@ -12,7 +12,7 @@ import numpy as np
 from course_lib._validate import Image, as_count
 from course_lib.homography import project, template_corners
 from course_lib.scenes import camera, heldout, texture
-from course_lib.scenes.poses import KIND_RANGES, MUG_SIZE, SCENE_SIZE, random_homography
+from course_lib.scenes.poses import KIND_RANGES, MUG_SIZE, SCENE_SIZE, random_homography, times
 from course_lib.scenes.resample import Box, Canvas, blend
 
 if TYPE_CHECKING:
@@ -112,10 +112,10 @@ def _make(seed: int, kind: str) -> MugScene:
     if kind == "absent":
         if rng.random() < 0.5:
             other = texture.other_mug(number, rng)
-            _put(scene, other, H @ H_template_from_mug, heldout.mug_box(number))
+            _put(scene, other, times(H, H_template_from_mug), heldout.mug_box(number))
         return MugScene(mug, camera.small_change(scene, rng), None, None, kind)
     shown = _put(
-        scene, heldout.mug_canvas(number), H @ H_template_from_mug, heldout.mug_box(number)
+        scene, heldout.mug_canvas(number), times(H, H_template_from_mug), heldout.mug_box(number)
     )
     hidden = _cover(scene, shown, behind, rng) if kind == "cover" else 0.0
     scene = camera.dimmed(scene, rng) if kind == "dim" else camera.small_change(scene, rng)

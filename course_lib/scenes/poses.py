@@ -69,7 +69,7 @@ def random_homography(kind: str, rng: np.random.Generator) -> NDArray[np.float64
     corner = MARGIN + place * (room - (high - low))
     shift = np.eye(3)
     shift[:2, 2] = corner - low
-    H = _times(shift, view(turn, tilt, towards, scale))
+    H = times(shift, view(turn, tilt, towards, scale))
     return np.asarray(H / H[2, 2])
 
 
@@ -97,16 +97,16 @@ def view(turn: float, tilt: float, towards: float, scale: float) -> NDArray[np.f
     axis = _about_z(lean)
     cosine, sine = math.cos(math.radians(tilt)), math.sin(math.radians(tilt))
     about_x = np.array([[1, 0, 0], [0, cosine, -sine], [0, sine, cosine]])
-    rotation = _times(_times(_times(axis, about_x), axis.T), _about_z(spin))
+    rotation = times(times(times(axis, about_x), axis.T), _about_z(spin))
     middle = (np.array(MUG_SIZE) - 1) / 2
     distance = FOCAL / scale
     pose = np.column_stack([rotation[:, :2], [0, 0, distance]])
     centred = np.array([[1, 0, -middle[0]], [0, 1, -middle[1]], [0, 0, 1]])
-    return _times(_times(np.diag([FOCAL, FOCAL, 1.0]), pose), centred)
+    return times(times(np.diag([FOCAL, FOCAL, 1.0]), pose), centred)
 
 
-def _times(A: NDArray[np.float64], B: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Matrix product in a fixed order of additions: BLAS's depends on the processor."""
+def times(A: NDArray[np.float64], B: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return A times B, both (3, 3), added up in one order: BLAS's depends on the processor."""
     return np.array(
         [
             [A[i, 0] * B[0, j] + A[i, 1] * B[1, j] + A[i, 2] * B[2, j] for j in range(3)]
