@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
 
 Status = Literal["passed", "partial", "failed", "not_checked"]
 
@@ -69,6 +72,8 @@ class SubmissionResult:
         What the student's notebook drew.
     scenes : tuple of Picture
         For the instructor only: held-out scenes with the true and the found outline.
+    code : mapping of str to frozenset of int
+        Exercise to what `similarity.of_submission` says of its code.
     fingerprint : str
         Hash of submission, seed, tests and library: equal means nothing to grade anew.
     seconds : float
@@ -81,6 +86,7 @@ class SubmissionResult:
     events: tuple[str, ...] = ()
     pictures: tuple[Picture, ...] = field(default=(), repr=False)
     scenes: tuple[Picture, ...] = field(default=(), repr=False)
+    code: Mapping[str, frozenset[int]] = field(default_factory=dict, repr=False)
     fingerprint: str = ""
     seconds: float = 0.0
 
