@@ -57,7 +57,7 @@ def tokens(code: str) -> list[str]:
     found: list[str] = []
     depth, starts_line = 0, True
     for match in _TOKEN.finditer(_NOT_CODE.sub("", code)):
-        kind, token = match.lastgroup, match.group()
+        kind, word = match.lastgroup, match.group()
         if kind == "blank":
             continue
         if kind == "line":
@@ -71,10 +71,10 @@ def tokens(code: str) -> list[str]:
             found.append("0")
         elif kind == "name":
             follows_dot = bool(found) and found[-1] == "."
-            found.append(token if follows_dot or token in _FIXED else f"${token}")
+            found.append(word if follows_dot or word in _FIXED else f"${word}")
         else:
-            depth += (token in "([{") - (token in ")]}")
+            depth += (word in "([{") - (word in ")]}")
             depth = max(depth, 0)
-            found.append(token)
+            found.append(word)
         starts_line = False
     return found

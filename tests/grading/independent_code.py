@@ -242,7 +242,8 @@ kps_shelf, des_shelf = find_keypoints(shelf)
 show(cv2.drawKeypoints(cup, kps_cup, None, (255, 0, 0)), f"{len(kps_cup)} keypoints")
 pairs = match_keypoints(des_cup, des_shelf)
 show(cv2.drawMatches(cup, kps_cup, shelf, kps_shelf, pairs[:40], None), "matches")
-show(cv2.polylines(shelf.copy(), [locate_mug(cup, shelf).astype(int)], True, (0, 255, 0), 2), "mug")""",
+where = locate_mug(cup, shelf).astype(int)
+show(cv2.polylines(shelf.copy(), [where], True, (0, 255, 0), 2), "mug")""",
     ],
     "second tutorial": [
         """# the pictures
