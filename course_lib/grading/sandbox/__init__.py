@@ -1,0 +1,19 @@
+"""
+Holds students' code: it shares no process, no writable file, no network and no secret with us.
+
+`Launcher` starts kernels in a sandbox: bubblewrap's namespaces, or Landlock through sandlock, each
+with a filter on system calls, resource limits and a watcher. What a submission started is gone when
+its kernel is closed.
+
+Without namespaces (sandlock) a submission can still see that other processes exist and share the
+machine's clock and process table; it can neither signal nor inspect them, nor reach the network,
+nor read anything but the interpreter, the course and its own folder.
+"""
+
+from __future__ import annotations
+
+from course_lib.grading.sandbox.box import SandboxError
+from course_lib.grading.sandbox.launcher import Launcher, NoSandboxError, SandboxedKernel, choose
+from course_lib.grading.sandbox.limits import Limits
+
+__all__ = ["Launcher", "Limits", "NoSandboxError", "SandboxError", "SandboxedKernel", "choose"]

@@ -1,0 +1,71 @@
+"""Runs an IPython kernel on sockets that somebody else has opened, the grader's agent in it."""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+import zmq
+from ipykernel.iostream import IOPubThread
+from ipykernel.kernelapp import IPKernelApp
+
+from course_lib.grading import agent
+
+# The channels whose sockets are handed over, in this order. The heartbeat's goes nowhere.
+CHANNELS = ("shell", "iopub", "stdin", "control")
+
+
+class _App(IPKernelApp):
+    listeners: dict[int, int]  # port: descriptor
+
+    def _try_bind_socket(self, s: Any, port: int) -> int:  # noqa: ANN401
+        """Bind to the open socket: no path is looked up, so none can be swapped."""
+        if port in self.listeners:
+            s.setsockopt(zmq.USE_FD, self.listeners[port])
+        return int(super()._try_bind_socket(s, port))  # type: ignore[no-untyped-call]
+
+    def init_signal(self) -> None:
+        """Leave signals as they are: an interrupt is handled while a request is."""
+
+    def init_crash_handler(self) -> None:
+        """Write no crash report."""
+
+    def write_connection_file(self, **_: object) -> None:
+        """Write nothing: the launcher knows."""
+
+    def log_connection_info(self) -> None:
+        """Say nothing."""
+
+
+def run(connection: dict[str, Any], listeners: list[int], *, loopback: bool) -> None:
+    """Run a kernel until it is killed.
+
+    Parameters
+    ----------
+    connection : dict
+        `key`, and `ip`, the prefix of the sockets' paths.
+    listeners : list of int
+        Open, listening sockets in the order of `CHANNELS`.
+    loopback : bool
+        Whether sockets on the machine's own address are allowed; without them, what a forked
+        child prints is not heard.
+    """
+    if not loopback:
+        IOPubThread._setup_pipe_in = _no_pipe  # type: ignore[method-assign]  # noqa: SLF001
+    sys.argv = ["kernel"]
+    if "" not in sys.path:
+        sys.path.insert(0, "")  # after everything the course needs has been imported
+    app = _App.instance()
+    app.listeners = dict(enumerate(listeners, start=1))
+    app.transport, app.ip = "ipc", connection["ip"]
+    app.shell_port, app.iopub_port, app.stdin_port, app.control_port, app.hb_port = 1, 2, 3, 4, 5
+    app.session.key = connection["key"].encode()
+    app.config.HistoryManager.enabled = False
+    app.config.IPKernelApp.parent_handle = 0
+    app.initialize([])  # type: ignore[no-untyped-call]
+    agent.install(app)
+    app.start()  # type: ignore[no-untyped-call]
+
+
+def _no_pipe(thread: Any) -> None:  # noqa: ANN401
+    thread._pipe_flag = False  # noqa: SLF001

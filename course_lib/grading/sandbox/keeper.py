@@ -1,0 +1,166 @@
+"""The process between the launcher and a kernel: it confines itself, then forks the kernel."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import resource
+import signal
+import socket
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+from course_lib.grading.sandbox import bootstrap, confine, places
+from course_lib.grading.sandbox.limits import Limits
+
+
+def start(request: dict[str, Any], descriptors: list[int], answer: socket.socket) -> None:
+    """Confine this process, fork the kernel, and answer with handles on it.
+
+    Parameters
+    ----------
+    request : dict
+        `sandbox`, `limits`, `connection`, `uid`, `home`, `environment`.
+    descriptors : list of int
+        The container's first process (bubblewrap only) and the four listening sockets.
+    answer : socket
+        Gets JSON and a descriptor of the kernel's process.
+    """
+    limits = Limits(**request["limits"])
+    if request["sandbox"] == "bubblewrap":
+        _into_container(descriptors.pop(0), request["uid"])
+    else:
+        confine.become_subreaper()
+        if request["uid"] is not None:
+            _become(request["uid"])
+    reading, writing = os.pipe()
+    pid = os.fork()
+    if pid == 0:
+        os.close(reading)
+        _run_kernel(request, descriptors, limits, writing)
+    os.close(writing)
+    for descriptor in descriptors:
+        os.close(descriptor)
+    handle = os.pidfd_open(pid)
+    with os.fdopen(reading, "rb") as failure:
+        problem = failure.read()  # ends when the kernel is about to run
+    if problem:
+        answer.send(problem[-4000:])
+        return
+    socket.send_fds(answer, [json.dumps({"pid": pid}).encode()], [handle])
+    os.close(handle)
+    if request["sandbox"] != "bubblewrap":
+        _guard(answer)
+
+
+def _into_container(pidfd: int, uid: int | None) -> None:
+    if uid is None:
+        confine.enter(pidfd, with_user=True)
+    else:
+        confine.enter(pidfd, with_user=False)
+        _become(uid)
+    os.close(pidfd)
+
+
+def _become(uid: int) -> None:
+    os.setgroups([])
+    os.setresgid(uid, uid, uid)
+    os.setresuid(uid, uid, uid)
+    confine.stay_inspectable()
+
+
+def _run_kernel(
+    request: dict[str, Any], listeners: list[int], limits: Limits, writing: int
+) -> None:
+    """Be the kernel; never returns."""
+    status = 1
+    try:
+        os.setsid()
+        signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+        _close_all_but({*listeners, writing})
+        os.environ.clear()
+        os.environ.update(request["environment"])
+        os.chdir(request["work"])
+        sandboxed = request["sandbox"] != "none"
+        if request["sandbox"] == "sandlock":
+            _landlock(request["work"], request["home"])
+        if sandboxed:
+            confine.give_up_powers()
+        confine.set_limits(limits, limits.processes + request["others"])
+        if sandboxed:
+            confine.deny_calls(local_only=request["sandbox"] == "sandlock")
+        os.close(writing)
+        bootstrap.run(request["connection"], listeners, loopback=request["sandbox"] != "sandlock")
+        status = 0
+    except BaseException as error:  # noqa: BLE001
+        with contextlib.suppress(OSError):
+            os.write(writing, f"{type(error).__name__}: {error}".encode()[:4000])
+    finally:
+        os._exit(status)
+
+
+def _close_all_but(kept: set[int]) -> None:
+    nowhere = os.open(os.devnull, os.O_RDWR)
+    for standard in (0, 1, 2):
+        os.dup2(nowhere, standard)
+    last = resource.getrlimit(resource.RLIMIT_NOFILE)[0]
+    start_of_range = 3
+    for descriptor in sorted(kept):
+        os.closerange(start_of_range, descriptor)
+        start_of_range = descriptor + 1
+    os.closerange(start_of_range, min(last, 65536))
+
+
+def _landlock(work: str, home: str) -> None:
+    import sandlock  # noqa: PLC0415  (its library is loaded where it is used)
+
+    readable = [*places.readable(), *places.course(), Path("/proc/self"), Path("/dev/urandom")]
+    readable += [Path(p) for p in ("/dev/zero", "/dev/random", "/proc/cpuinfo", "/proc/meminfo")]
+    writable = [work, home, "/dev/null"]
+    sandlock.confine(
+        sandlock.Sandbox(
+            fs_readable=[str(path) for path in readable if path.exists()], fs_writable=writable
+        )
+    )
+
+
+def _guard(answer: socket.socket) -> None:
+    """Wait until the launcher hangs up; then end every descendant, however far it strayed."""
+    for standard in (0, 1, 2):
+        with contextlib.suppress(OSError):
+            os.close(standard)
+    answer.recv(1)
+    mine = os.getpid()
+    for _ in range(1000):
+        strays = descendants(mine)
+        for pid in strays:
+            with contextlib.suppress(OSError):
+                os.kill(pid, signal.SIGKILL)
+        with contextlib.suppress(ChildProcessError):
+            while os.waitpid(-1, os.WNOHANG)[0]:
+                pass
+        if not strays:
+            break
+        time.sleep(0.002)
+    answer.close()
+    sys.exit(0)
+
+
+def descendants(pid: int) -> list[int]:
+    """List the living processes that a process has started, directly or not."""
+    parents: dict[int, list[int]] = {}
+    for entry in os.scandir("/proc"):
+        if entry.name.isdigit():
+            with contextlib.suppress(OSError, ValueError):
+                fields = Path(f"/proc/{entry.name}/stat").read_text().rpartition(")")[2].split()
+                if fields[0] not in "ZX":
+                    parents.setdefault(int(fields[1]), []).append(int(entry.name))
+    found, waiting = [], [pid]
+    while waiting:
+        children = parents.get(waiting.pop(), [])
+        found += children
+        waiting += children
+    return found

@@ -1,0 +1,272 @@
+"""Starts sandboxed kernels from one warm interpreter."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import socket
+import stat
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Self
+
+import zmq
+from jupyter_client.blocking.client import BlockingKernelClient
+from jupyter_client.kernelspec import KernelSpec
+from jupyter_client.manager import KernelManager
+
+from course_lib.grading.sandbox import bubblewrap, places
+from course_lib.grading.sandbox.box import Box, SandboxError
+from course_lib.grading.sandbox.limits import Limits
+from course_lib.grading.sandbox.provisioner import SandboxProvisioner
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+NAMES = ("bubblewrap", "sandlock", "none")
+_READY_SECONDS = 30.0
+_MOST_MESSAGE = 96 * 2**20  # bytes; a message above ends the connection
+_FIRST_UID, _UIDS = 61184, 2000  # above what systems give to people, below their nobody
+
+
+class NoSandboxError(RuntimeError):
+    """Nothing here can hold a stranger's code."""
+
+
+def choose(name: str | None = None) -> str:
+    """Choose a sandbox that works on this machine.
+
+    Parameters
+    ----------
+    name : str, optional
+        ``"bubblewrap"``, ``"sandlock"``, or ``"none"`` for code that you trust. Default: the first
+        of the two that works.
+
+    Returns
+    -------
+    str
+        Its name.
+
+    Raises
+    ------
+    NoSandboxError
+        When it does not work here; says what to install.
+    ValueError
+        For an unknown name.
+    """
+    if name == "none":
+        return name
+    if name is not None and name not in NAMES:
+        raise ValueError(f"unknown sandbox {name!r}; there are {', '.join(NAMES)}")
+    complaints = []
+    for candidate in [name] if name else NAMES[:2]:
+        complaint = bubblewrap.complaint() if candidate == "bubblewrap" else _sandlock_complaint()
+        if complaint is None:
+            return candidate
+        complaints.append(complaint)
+    raise NoSandboxError(
+        "No sandbox for students' code: " + "; ".join(complaints) + ". "
+        "Install bubblewrap (Debian: apt install bubblewrap), or, only for code that you trust, "
+        "give --no-sandbox."
+    )
+
+
+def _sandlock_complaint() -> str | None:
+    if importlib.util.find_spec("sandlock") is None:
+        return "sandlock is not installed (pip install sandlock)"
+    import sandlock  # noqa: PLC0415
+
+    if sandlock.landlock_abi_version() < sandlock.min_landlock_abi():
+        return f"sandlock needs Landlock version {sandlock.min_landlock_abi()} in the Linux kernel"
+    return None
+
+
+class Launcher:
+    """Starts kernels; a context manager, one for each worker.
+
+    Parameters
+    ----------
+    sandbox : str, optional
+        See `choose`.
+    limits : Limits, optional
+        What each submission may use.
+    """
+
+    def __init__(self, sandbox: str | None = None, limits: Limits | None = None) -> None:
+        self.sandbox = choose(sandbox)
+        self.limits = limits or Limits()
+        self._zygote: subprocess.Popen[bytes] | None = None
+        self._control: socket.socket | None = None
+        self._uid = _spare_uid(self.sandbox)
+
+    def __enter__(self) -> Self:
+        self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        with theirs:
+            self._zygote = subprocess.Popen(  # noqa: S603
+                [sys.executable, "-m", f"{__package__}.zygote", str(theirs.fileno())],
+                pass_fds=(theirs.fileno(),),
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                # Its home is where matplotlib keeps its list of fonts, which takes long to make.
+                env=places.environment(os.environ.get("HOME", "/")),
+                start_new_session=True,
+            )
+        self._control.settimeout(_READY_SECONDS)
+        if self._control.recv(16) != b"ready":
+            self.__exit__(None, None, None)
+            raise SandboxError("the interpreter that forks kernels did not start")
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self._control:
+            self._control.close()
+        if self._zygote:
+            self._zygote.kill()
+            self._zygote.wait()
+
+    def kernel(self, folder: Path) -> SandboxedKernel:
+        """Start a kernel.
+
+        Parameters
+        ----------
+        folder : Path
+            Its writable working folder: a copy that the caller made and will delete. Run by root,
+            it is given to another user.
+
+        Returns
+        -------
+        SandboxedKernel
+            Ready.
+
+        Raises
+        ------
+        SandboxError
+            When the sandbox fails.
+        """
+        if self._control is None:
+            raise SandboxError("use the launcher as a context manager")
+        uid = None if self._uid is None else self._uid + os.getpid() % _UIDS
+        return SandboxedKernel(Box(self.sandbox, self._control, folder, self.limits, uid))
+
+
+class SandboxedKernel:
+    """A kernel in its sandbox; a context manager that ends it.
+
+    Attributes
+    ----------
+    manager : KernelManager
+    client : BlockingKernelClient
+        Shell and output channels connected.
+    events : list of str
+        Limits that were exceeded.
+    """
+
+    def __init__(self, box: Box) -> None:
+        self._box = box
+        self.events = box.events
+        self._context = zmq.Context()
+        for option, value in (
+            (zmq.MAXMSGSIZE, _MOST_MESSAGE),
+            (zmq.LINGER, 0),
+            (zmq.RECONNECT_IVL, -1),
+        ):
+            self._context.setsockopt(option, value)
+        self.manager = KernelManager(
+            transport="ipc", ip=box.address, context=self._context, autorestart=False
+        )
+        self.manager._kernel_spec = KernelSpec(language="python", display_name="sandbox")  # noqa: SLF001
+        provisioner = SandboxProvisioner(
+            kernel_id="sandbox", kernel_spec=self.manager.kernel_spec, parent=self.manager
+        )
+        provisioner.box = box
+        self.manager.provisioner = provisioner
+        try:
+            self.manager.start_kernel()
+            self.client = self._connect()
+        except BaseException:
+            self.close()
+            raise
+
+    def _connect(self) -> BlockingKernelClient:
+        client = BlockingKernelClient(
+            transport="ipc",
+            ip=self._box.address,
+            shell_port=1,
+            iopub_port=2,
+            stdin_port=3,
+            control_port=4,
+            context=self._context,
+            session=self.manager.session,
+        )
+        client.start_channels(stdin=False, hb=False, control=False)
+        # Outputs are missed until the subscription has arrived: ask until an answer is heard.
+        deadline = time.monotonic() + _READY_SECONDS
+        while time.monotonic() < deadline and self.is_alive():
+            client.kernel_info()
+            if client.shell_channel.socket.poll(5000) and client.iopub_channel.socket.poll(200):
+                _empty(client)
+                return client
+        reason = ", ".join(self.events) or "no answer"
+        raise SandboxError(f"the kernel did not start: {reason}")
+
+    def is_alive(self) -> bool:
+        """Tell whether the kernel's process lives."""
+        return self._box.is_alive()
+
+    def interrupt(self) -> None:
+        """Send the kernel and what it runs in the foreground an interrupt."""
+        self.manager.interrupt_kernel()
+
+    def kill(self) -> None:
+        """End everything the submission started, at once."""
+        self._box.end()
+
+    def close(self) -> None:
+        """End everything; on return no process, socket or file of the sandbox is left."""
+        if hasattr(self, "client"):
+            self.client.stop_channels()
+        self._box.close()
+        self.manager._close_control_socket()  # noqa: SLF001
+        self._context.destroy(linger=0)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+
+def _empty(client: BlockingKernelClient) -> None:
+    for channel in (client.shell_channel, client.iopub_channel):
+        while channel.socket.poll(20 if channel is client.iopub_channel else 0):
+            channel.socket.recv_multipart(zmq.NOBLOCK)
+
+
+def _spare_uid(sandbox: str) -> int | None:
+    """Give the first of the user ids for students' processes; None to keep one's own.
+
+    Only root can change it. Without a container the interpreter must also be reachable by others.
+    """
+    if os.getuid() != 0 or sandbox == "none":
+        return None
+    if sandbox == "bubblewrap":
+        return _FIRST_UID
+    needed = [Path(sys.base_prefix), Path(sys.prefix), places.COURSE]
+    closed = any(
+        not parent.stat().st_mode & stat.S_IXOTH
+        for path in needed
+        for parent in path.resolve().parents
+    )
+    return None if closed else _FIRST_UID

@@ -1,0 +1,72 @@
+"""What a submission can see: the interpreter, the course, its own folder. Nothing else."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+import course_lib
+
+COURSE = Path(course_lib.__file__).resolve().parent
+HOME = "/home/student"
+WORK = f"{HOME}/work"
+_SYSTEM = ("/usr", "/bin", "/sbin", "/lib", "/lib32", "/lib64", "/libx32")
+_SETTINGS = ("/etc/ld.so.cache", "/etc/alternatives", "/etc/fonts", "/etc/localtime")
+# The grader, and what makes its held-out inputs and knows their truth.
+_HIDDEN = ("grading", "scenes", "scenes.py")
+_HIDDEN_PICTURES = "heldout"
+
+
+def readable() -> list[Path]:
+    """List the folders of the system and of the interpreter, none within another."""
+    found: list[Path] = []
+    places = [*_SYSTEM, *_SETTINGS, sys.base_prefix, sys.prefix, *_packages()]
+    for place in sorted({Path(p) for p in places if Path(p).exists()}, key=lambda p: len(p.parts)):
+        if not any(place.is_relative_to(known) for known in found):
+            found.append(place)
+    return found
+
+
+def _packages() -> list[str]:
+    """List the folders of installed packages; some may lie outside the interpreter's own."""
+    return [path for path in sys.path if Path(path).name in {"site-packages", "dist-packages"}]
+
+
+def course() -> list[Path]:
+    """List the files and folders of the course that a student may read."""
+    parts = [path for path in sorted(COURSE.iterdir()) if path.name not in _HIDDEN]
+    return parts + [path for path in sorted(pictures().iterdir()) if path.name != _HIDDEN_PICTURES]
+
+
+def pictures() -> Path:
+    """Give the folder of the course's pictures."""
+    return COURSE.parent / "images"
+
+
+def environment(home: str) -> dict[str, str]:
+    """Give the environment of a student's process.
+
+    Parameters
+    ----------
+    home : str
+        Its home folder.
+
+    Returns
+    -------
+    dict of str to str
+    """
+    return {
+        "PATH": os.pathsep.join([str(Path(sys.executable).parent), "/usr/bin", "/bin"]),
+        "HOME": home,
+        "USER": "student",
+        "LANG": "C.UTF-8",
+        "PYTHONPATH": os.pathsep.join([str(COURSE.parent), *_packages()]),
+        "PYTHONHASHSEED": "0",
+        "PYTHONDONTWRITEBYTECODE": "1",
+        "PYTHONNOUSERSITE": "1",
+        "MPLBACKEND": "module://matplotlib_inline.backend_inline",
+        "IPYTHONDIR": f"{home}/.ipython",
+        "OPENBLAS_NUM_THREADS": "1",
+        "OMP_NUM_THREADS": "1",
+    }

@@ -1,0 +1,80 @@
+"""
+A warm interpreter that forks kernels: what takes a second to import is imported once.
+
+It is executed anew, with a clean environment, and never sees a test, a seed or a submission; its
+only visitor is the launcher. For each request it forks a keeper. The keeper steps into the
+container, or confines itself, gives up its powers and forks the kernel, and then answers with a
+handle on it.
+
+A request is one message: JSON, and with it the descriptors of a socket for the answer, of the
+container's first process, of four listening sockets and of the working folder.
+"""
+
+from __future__ import annotations
+
+import gc
+import importlib
+import json
+import os
+import signal
+import socket
+import sys
+import traceback
+from contextlib import suppress
+from typing import Any
+
+from course_lib.grading.sandbox import keeper
+
+_WARM = (
+    "IPython.core.completer",
+    "IPython.core.magics",
+    "course_lib.display",
+    "course_lib.drawing",
+    "course_lib.localize",
+    "ipykernel.ipkernel",
+    "matplotlib.pyplot",
+    "matplotlib_inline.backend_inline",
+)
+_MOST_REQUEST = 1 << 16
+_MOST_DESCRIPTORS = 7
+
+
+def main() -> None:
+    """Serve the launcher on the socket whose number is the one argument, until it hangs up."""
+    control = socket.socket(fileno=int(sys.argv[1]))
+    _warm_up()
+    gc.collect()
+    gc.freeze()  # what is here stays: a collection in a child need not touch, and so copy, it
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a terminal's Ctrl-C is the grader's business
+    signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # keepers need no waiting for
+    control.send(b"ready")
+    while True:
+        message, descriptors, _, _ = socket.recv_fds(control, _MOST_REQUEST, _MOST_DESCRIPTORS)
+        if not message:
+            return
+        if os.fork() == 0:
+            control.close()
+            _keep(json.loads(message), descriptors)
+            os._exit(0)
+        for descriptor in descriptors:
+            os.close(descriptor)
+
+
+def _warm_up() -> None:
+    """Import what kernels will need. No thread may start here: only then can a child step over."""
+    for name in _WARM:
+        importlib.import_module(name)
+
+
+def _keep(request: dict[str, Any], descriptors: list[int]) -> None:
+    """Become the keeper of one kernel, and answer the launcher."""
+    answer = socket.socket(fileno=descriptors[0])
+    try:
+        keeper.start(request, descriptors[1:], answer)
+    except BaseException:  # noqa: BLE001  (the launcher must hear of anything)
+        with suppress(OSError):
+            answer.send(traceback.format_exc(limit=-3).encode()[-4000:])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,349 @@
+"""What a submission's code can reach, and what is left of it: under both sandboxes, for real."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import pytest
+
+import course_lib
+from course_lib.grading.sandbox import (
+    Launcher,
+    NoSandboxError,
+    SandboxedKernel,
+    choose,
+)
+from course_lib.grading.sandbox import (
+    launcher as module,
+)
+
+ROOT = Path(course_lib.__file__).resolve().parents[1]
+
+
+def run(kernel: SandboxedKernel, code: str, timeout: float = 20) -> str:
+    """Execute code; give what it printed, and how it failed."""
+    said: list[str] = []
+
+    def hear(message: dict) -> None:
+        content = message["content"]
+        kind = message["msg_type"]
+        if kind == "stream":
+            said.append(content["text"])
+        elif kind == "error":
+            said.append(f"{content['ename']}: {content['evalue']}")
+
+    reply = kernel.client.execute_interactive(code, output_hook=hear, timeout=timeout)
+    assert reply["content"]["status"] in {"ok", "error"}
+    return "".join(said).strip()
+
+
+def test_it_computes_with_the_course(launcher: Launcher, folder: Path) -> None:
+    with launcher.kernel(folder) as kernel:
+        code = "import cv2; from course_lib import images; print(images.load('ROS.png').shape)"
+        assert run(kernel, code) == "(900, 600, 3)"
+
+
+def test_it_writes_its_own_folder_and_reads_its_files(launcher: Launcher, folder: Path) -> None:
+    (folder / "given.txt").write_text("given")
+    with launcher.kernel(folder) as kernel:
+        assert (
+            run(kernel, "print(open('given.txt').read(), open('new.txt', 'w').write('xyz'))")
+            == "given 3"
+        )
+    assert (folder / "new.txt").read_text() == "xyz"
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        ROOT / "tests",
+        ROOT / "solutions",
+        ROOT / "images" / "heldout" / "mug_1.png",
+        ROOT / "course_lib" / "grading" / "session.py",
+        Path("/etc/shadow"),
+        Path("/proc/1/environ"),
+        Path("/root"),
+        Path("/run"),
+    ],
+    ids=str,
+)
+def test_it_cannot_read(launcher: Launcher, folder: Path, path: Path) -> None:
+    code = f"""
+import os
+path = {str(path)!r}
+try:
+    found = os.listdir(path) if os.path.isdir(path) else open(path, "rb").read()
+    # As root the interpreter itself may live below /root: that, and nothing else, is there.
+    print("read", [f for f in found if f != ".pyenv"] if path == "/root" else found)
+except OSError as error:
+    print("refused")
+"""
+    with launcher.kernel(folder) as kernel:
+        assert run(kernel, code) in {"refused", "read []", "read b''"}
+
+
+@pytest.mark.parametrize(
+    "path", ["/usr/x", f"{ROOT}/course_lib/x", f"{sys.prefix}/x", "/x", "/etc/x"]
+)
+def test_it_cannot_write(launcher: Launcher, folder: Path, path: str) -> None:
+    with launcher.kernel(folder) as kernel:
+        assert "Error" in run(kernel, f"open({path!r}, 'w').write('x')")
+    assert not Path(path).exists()
+
+
+def test_it_sees_no_network(launcher: Launcher, folder: Path, tmp_path: Path) -> None:
+    server = subprocess.Popen(
+        [sys.executable, "-m", "http.server", "0", "--bind", "127.0.0.1", "-d", str(tmp_path)],
+        stdout=subprocess.PIPE,
+        env={**os.environ, "PYTHONUNBUFFERED": "1"},
+    )
+    port = int(server.stdout.readline().split()[5])
+    code = f"""
+import socket
+for address in [("127.0.0.1", {port}), ("192.0.2.1", 80)]:
+    try:
+        socket.create_connection(address, timeout=2)
+        print("connected", address)
+    except OSError:
+        pass
+try:
+    socket.socket(socket.AF_INET, socket.SOCK_DGRAM).sendto(b"x", ("192.0.2.1", 53))
+    print("sent")
+except OSError:
+    pass
+"""
+    try:
+        with launcher.kernel(folder) as kernel:
+            assert run(kernel, code) == ""
+    finally:
+        server.kill()
+        server.communicate()
+
+
+def test_it_cannot_gain_powers(launcher: Launcher, folder: Path) -> None:
+    code = """
+import ctypes
+libc = ctypes.CDLL(None, use_errno=True)
+status = dict(line.split(":\\t", 1) for line in open("/proc/self/status") if ":\\t" in line)
+print([status[k].strip() for k in ("CapEff", "CapPrm", "CapBnd", "NoNewPrivs", "Seccomp")])
+print(libc.unshare(0x10000000), libc.ptrace(0, 0, 0, 0), libc.mount(b"a", b"/tmp", b"tmpfs", 0, 0))
+"""
+    with launcher.kernel(folder) as kernel:
+        found = run(kernel, code).splitlines()
+    assert found[0] == "['0000000000000000', '0000000000000000', '0000000000000000', '1', '2']"
+    assert found[1] == "-1 -1 -1"
+
+
+def test_it_cannot_signal_others(launcher: Launcher, folder: Path) -> None:
+    outsider = subprocess.Popen(["sleep", "60"])
+    code = f"""
+import os
+for pid in ({outsider.pid}, {os.getpid()}, os.getppid()):
+    try:
+        os.kill(pid, 9)
+        print("killed", pid)
+    except OSError:
+        pass
+"""
+    try:
+        with launcher.kernel(folder) as kernel:
+            run(kernel, code)
+        assert outsider.poll() is None
+    finally:
+        outsider.kill()
+        outsider.wait()
+
+
+LIMITS = {
+    "memory": ("x = [bytearray(50_000_000) for _ in range(200)]", None),
+    "memory of children": (
+        (
+            "import os, time\n"
+            "for _ in range(6):\n"
+            "    if os.fork() == 0:\n"
+            "        x = bytearray(b'1' * 300_000_000); time.sleep(60)\n"
+            "time.sleep(15)"
+        ),
+        "memory limit",
+    ),
+    "forks": ("import os\nwhile True:\n    os.fork()", None),
+    "processor": (
+        (
+            "import os\nfor _ in range(4):\n    if os.fork() == 0:\n        while True: pass\n"
+            "while True: pass"
+        ),
+        "processor limit",
+    ),
+    "disk": (
+        (
+            "for i in range(40):\n    open(f'{i}', 'wb').write(b'1' * 4_000_000)\n"
+            "import time; time.sleep(10)"
+        ),
+        "disk limit",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", LIMITS)
+def test_a_limit_ends_it_and_is_named(launcher: Launcher, folder: Path, name: str) -> None:
+    code, event = LIMITS[name]
+    with launcher.kernel(folder) as kernel:
+        with contextlib.suppress(RuntimeError, TimeoutError):
+            run(kernel, code, timeout=30)
+        events = list(kernel.events)
+    assert event is None or any(event in found for found in events), events
+    assert run_after(launcher, folder) == "2"
+
+
+def run_after(launcher: Launcher, folder: Path) -> str:
+    with launcher.kernel(folder) as kernel:
+        return run(kernel, "print(1 + 1)")
+
+
+def processes_with(marker: str) -> list[int]:
+    found = []
+    for path in Path("/proc").glob("[0-9]*/cmdline"):
+        try:
+            if marker.encode() in path.read_bytes():
+                found.append(int(path.parent.name))
+        except OSError:
+            continue
+    return found
+
+
+def test_a_daemon_is_gone_when_the_kernel_is_closed(launcher: Launcher, folder: Path) -> None:
+    marker = f"987{os.getpid()}"
+    code = f"""
+import os, signal, subprocess
+if os.fork() == 0:
+    os.setsid()
+    if os.fork() == 0:
+        for number in range(1, 65):
+            try: signal.signal(number, signal.SIG_IGN)
+            except (OSError, ValueError): pass
+        subprocess.Popen(["sleep", "{marker}"], start_new_session=True)
+        os.execvp("sleep", ["sleep", "{marker}"])
+    os._exit(0)
+import time; time.sleep(1)
+"""
+    with launcher.kernel(folder) as kernel:
+        run(kernel, code)
+        assert processes_with(marker)
+    assert not processes_with(marker)
+
+
+def test_an_interrupt_stops_a_cell(launcher: Launcher, folder: Path) -> None:
+    with launcher.kernel(folder) as kernel:
+        request = kernel.client.execute("import time\nwhile True: time.sleep(0.1)")
+        time.sleep(0.5)
+        kernel.interrupt()
+        reply = kernel.client.get_shell_msg(timeout=10)
+        assert reply["parent_header"]["msg_id"] == request
+        assert reply["content"]["ename"] == "KeyboardInterrupt"
+
+
+def left_open() -> tuple[int, int]:
+    sockets = Path(tempfile.gettempdir()).glob("k-*")
+    return len(list(Path("/proc/self/fd").iterdir())), len(list(sockets))
+
+
+def test_nothing_is_left_open_after_many_kernels(launcher: Launcher, folder: Path) -> None:
+    with launcher.kernel(folder) as kernel:
+        run(kernel, "1")
+    before = left_open()
+    for _ in range(5):
+        with launcher.kernel(folder) as kernel:
+            run(kernel, "1")
+    assert left_open() == before
+
+
+def test_a_dead_kernel_is_noticed(launcher: Launcher, folder: Path) -> None:
+    with launcher.kernel(folder) as kernel:
+        kernel.client.execute("import os; os._exit(3)")
+        deadline = time.monotonic() + 10
+        while kernel.is_alive() and time.monotonic() < deadline:
+            time.sleep(0.02)
+        assert not kernel.is_alive()
+
+
+AS_USER = """
+mount -t tmpfs tmpfs /mnt
+mkdir -p /mnt/site-packages /mnt/repo /mnt/tmp
+chmod 1777 /mnt/tmp
+mount --bind {packages} /mnt/site-packages
+mount --bind {root} /mnt/repo
+cd /mnt/tmp
+export HOME=/mnt/tmp TMPDIR=/mnt/tmp PYTHONPATH=/mnt/repo:/mnt/site-packages
+exec setpriv --reuid 1000 --regid 1000 --clear-groups {python} -c "$1"
+"""
+USER_CODE = """
+import os, tempfile
+from pathlib import Path
+from course_lib.grading.sandbox import Launcher
+with Launcher("{sandbox}") as launcher, launcher.kernel(Path(tempfile.mkdtemp())) as kernel:
+    kernel.client.execute_interactive(
+        "import os, cv2; open('x', 'w').write('1');"
+        "print('here', os.access('/etc/shadow', os.R_OK), os.path.exists('/mnt/repo/tests'))",
+        timeout=20,
+    )
+print("user", os.getuid())
+"""
+
+
+@pytest.mark.parametrize("sandbox", ["bubblewrap", "sandlock"])
+def test_an_ordinary_user_can_grade(sandbox: str) -> None:
+    packages = Path(pytest.__file__).resolve().parents[1]
+    script = AS_USER.format(packages=packages, root=ROOT, python="/usr/bin/python3")
+    code = USER_CODE.format(sandbox=sandbox)
+    if os.getuid() == 0:
+        command = ["unshare", "-m", "--propagation", "private", "bash", "-ec", script, "x", code]
+    else:
+        command = [sys.executable, "-c", code]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    assert "here False" in done.stdout, done.stderr
+    assert "user 0" not in done.stdout
+
+
+def test_choosing_says_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module.bubblewrap, "complaint", lambda: "bubblewrap is not installed")
+    assert choose() == "sandlock"
+    monkeypatch.setattr(module, "_sandlock_complaint", lambda: "sandlock is not installed")
+    with pytest.raises(NoSandboxError, match="apt install bubblewrap"):
+        choose()
+    with pytest.raises(ValueError, match="chroot"):
+        choose("chroot")
+
+
+def test_killing_the_grader_ends_the_sandbox(folder: Path) -> None:
+    marker = f"986{os.getpid()}"
+    code = f"""
+import sys, time
+from pathlib import Path
+from course_lib.grading.sandbox import Launcher
+with Launcher(sys.argv[1]) as launcher, launcher.kernel(Path({str(folder)!r})) as kernel:
+    kernel.client.execute("import subprocess; subprocess.Popen(['sleep', '{marker}'])")
+    time.sleep(2)
+    print("up", flush=True)
+    time.sleep(60)
+"""
+    for sandbox in ("bubblewrap", "sandlock"):
+        grader = subprocess.Popen(
+            [sys.executable, "-c", code, sandbox],
+            stdout=subprocess.PIPE,
+            env={**os.environ, "PYTHONPATH": str(ROOT)},
+        )
+        assert grader.stdout.readline() == b"up\n"
+        assert processes_with(marker)
+        grader.send_signal(signal.SIGKILL)
+        grader.communicate()
+        deadline = time.monotonic() + 10
+        while processes_with(marker) and time.monotonic() < deadline:
+            time.sleep(0.05)
+        assert not processes_with(marker)
