@@ -67,6 +67,12 @@ _ALLOW, _ERROR, _KILL = 0x7FFF0000, 0x00050000, 0x80000000
 _ENOSYS, _EPERM, _EAFNOSUPPORT = 38, 1, 97
 
 
+def bar_powers() -> None:
+    """Take away what executing a program could give; needs power itself, so do it first."""
+    for number in range(_MOST_CAPABILITIES):
+        _libc.prctl(_PR_CAPBSET_DROP, number, 0, 0, 0)
+
+
 def give_up_powers() -> None:
     """Drop every capability, now and for whatever is executed later.
 
@@ -75,8 +81,6 @@ def give_up_powers() -> None:
     OSError
         When the system refuses.
     """
-    for number in range(_MOST_CAPABILITIES):
-        _libc.prctl(_PR_CAPBSET_DROP, number, 0, 0, 0)
     _libc.prctl(_PR_SET_SECUREBITS, _NO_ROOT_BITS, 0, 0, 0)
     header = struct.pack("Ii", _CAPABILITY_VERSION_3, 0)
     if _libc.capset(header, bytes(24)):

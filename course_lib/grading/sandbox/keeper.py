@@ -34,6 +34,8 @@ def start(request: dict[str, Any], descriptors: list[int], answer: socket.socket
         _into_container(descriptors.pop(0), request["uid"])
     else:
         confine.become_subreaper()
+        if request["sandbox"] != "none":
+            confine.bar_powers()
         if request["uid"] is not None:
             _become(request["uid"])
     reading, writing = os.pipe()
@@ -59,8 +61,10 @@ def start(request: dict[str, Any], descriptors: list[int], answer: socket.socket
 def _into_container(pidfd: int, uid: int | None) -> None:
     if uid is None:
         confine.enter(pidfd, with_user=True)
+        confine.bar_powers()
     else:
         confine.enter(pidfd, with_user=False)
+        confine.bar_powers()
         _become(uid)
     os.close(pidfd)
 
