@@ -64,7 +64,8 @@ def run(connection: dict[str, Any], listeners: list[int], *, loopback: bool) -> 
     app.config.IPKernelApp.parent_handle = 0
     app.initialize([])  # type: ignore[no-untyped-call]
     # matplotlib was imported before there was a shell: tell each of the other.
-    app.shell.enable_matplotlib("inline")
+    shell: Any = app.shell
+    shell.enable_matplotlib("inline")
     agent.install(app)
     app.start()  # type: ignore[no-untyped-call]
 
