@@ -46,7 +46,7 @@ def test_error_is_the_root_mean_square_distance():
     assert corner_error(SQUARE.astype(int).tolist(), SQUARE) == 0
 
 
-@pytest.mark.parametrize("found", NO_OUTLINE, ids=repr)
+@pytest.mark.parametrize("found", NO_OUTLINE)
 def test_what_is_no_outline_is_infinitely_far(found):
     assert corner_error(found, SQUARE) == math.inf
     assert outline_overlap(found, SQUARE) == 0
