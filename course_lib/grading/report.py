@@ -26,10 +26,11 @@ from course_lib.grading.summary import (
     line,
     points,
     read_summary,
+    said,
     student_folder,
+    tidy,
     to_json,
 )
-from course_lib.grading.text import clean
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -93,6 +94,7 @@ def write_student(
     """
     if folder.name.casefold() == INSTRUCTOR:
         raise ValueError("use student_folder: this name is kept for the instructor's pages")
+    result = tidy(result)
     view = _view(result)
     student = _render("student.html.j2", view, pictures=_shown(result.pictures, "Picture"))
     atomic.write(folder / REPORT, student)
@@ -157,7 +159,7 @@ def _advice(tests: Iterable[TestResult]) -> list[Advice]:
     found: dict[str, list[TestResult]] = {}
     for test in tests:
         # Tests that say nothing have nothing in common.
-        found.setdefault(clean(test.output, 4000).strip() or f"\0{test.number}", []).append(test)
+        found.setdefault(said(test.output) or f"\0{test.number}", []).append(test)
     advice = [
         Advice("" if output.startswith("\0") else output, tuple(about))
         for output, about in found.items()
@@ -200,9 +202,8 @@ def _environment() -> Environment:
     environment.filters |= {
         "points": points,
         "line": line,
-        "clean": clean,
+        "said": said,
         "quoted": _quoted,
-        "exercise": exercise_of,
         "hash": _csp_hash,
         "trusted": Markup,
     }

@@ -25,6 +25,7 @@ from course_lib.grading.notebook import NbvalKernel, Notebook
 from course_lib.grading.results import Picture, SubmissionResult, TestResult
 from course_lib.grading.rubric import Grade, GradeFailed
 from course_lib.grading.seeds import Seeds
+from course_lib.grading.similarity import of_submission
 from course_lib.grading.student import NotSubmittedError, Student, StudentError
 from course_lib.grading.submission import Source, stage
 from course_lib.grading.text import clean
@@ -99,6 +100,7 @@ def grade_one(job: Job, launcher: Launcher) -> SubmissionResult:
             events=tuple(dict.fromkeys(plugin.events)),
             pictures=tuple(plugin.pictures),
             scenes=tuple(plugin.scenes),
+            code=of_submission(submission.notebooks, submission.package),
             fingerprint=job.fingerprint,
             seconds=time.monotonic() - started,
         )

@@ -6,7 +6,8 @@ import hashlib
 import json
 import math
 import os
-from dataclasses import dataclass, field
+import re
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal, cast, get_args
 
 from course_lib.grading.results import Status, TestResult
@@ -97,14 +98,15 @@ def to_json(result: SubmissionResult, code: Mapping[str, frozenset[int]]) -> byt
 
     ASCII, so that whatever a name holds can be written; numbers are finite.
     """
+    result = tidy(result)
     tests = [
         {
             "name": line(test.name),
             "number": line(test.number),
-            "score": number(test.score),
-            "max_score": number(test.max_score),
+            "score": test.score,
+            "max_score": test.max_score,
             "status": "passed" if test.status == "passed" else "failed",
-            "output": clean(test.output, 4000),
+            "output": said(test.output),
             "output_format": "text",
             "visibility": test.visibility,
             # Gradescope knows two words only.
@@ -115,7 +117,7 @@ def to_json(result: SubmissionResult, code: Mapping[str, frozenset[int]]) -> byt
     notes = [clean(note) for note in result.notes]
     content = {
         "score": number(result.score),
-        "execution_time": round(number(result.seconds)),
+        "execution_time": round(result.seconds),
         "output": "\n".join(
             [f"{points(result.score)} of {points(result.max_score)} points", *notes]
         ),
@@ -126,7 +128,7 @@ def to_json(result: SubmissionResult, code: Mapping[str, frozenset[int]]) -> byt
             "student": result.student,
             "status": checked(result.tests),
             "max_score": number(result.max_score),
-            "seconds": number(result.seconds),
+            "seconds": result.seconds,
             "fingerprint": result.fingerprint,
             "notes": notes,
             "events": [clean(event) for event in result.events],
@@ -217,6 +219,20 @@ def points(value: float) -> str:
     """
     shown = math.floor(number(value) * 100 + 1e-6) / 100
     return f"{shown:.2f}".rstrip("0").rstrip(".")
+
+
+def tidy(result: SubmissionResult) -> SubmissionResult:
+    """Return a result with its tests in order and no points that are nonsense, so no sum is."""
+    tests = (
+        replace(test, score=number(test.score), max_score=number(test.max_score))
+        for test in sorted(result.tests, key=lambda test: in_order(test.number))
+    )
+    return replace(result, tests=tuple(tests), seconds=number(result.seconds))
+
+
+def said(text: str, limit: int = 4000) -> str:
+    """Clean a message; a flood of empty lines becomes one."""
+    return re.sub(r"\n\s*\n", "\n\n", clean(text, limit)).strip()
 
 
 def line(text: str, limit: int = 300) -> str:
