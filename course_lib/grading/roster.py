@@ -168,6 +168,8 @@ def _keys(roster: Roster) -> tuple[_Keys, _Keys]:
 
 def _rows(submission: str, by_id: _Keys, by_name: _Keys) -> set[int]:
     """Return the rows that fit, by the surest sign there is."""
+    # What intake adds to a name that it had to change.
+    submission = re.sub(r"-[0-9a-f]{6}$", "", submission) or submission
     words = _words(submission)
     if not words:
         return set()

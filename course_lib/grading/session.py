@@ -100,7 +100,7 @@ def grade_one(job: Job, launcher: Launcher) -> SubmissionResult:
             events=tuple(dict.fromkeys(plugin.events)),
             pictures=tuple(plugin.pictures),
             scenes=tuple(plugin.scenes),
-            code=of_submission(submission.notebooks, submission.package),
+            code=of_submission(submission.notebooks, submission.folder / "unit4"),
             fingerprint=job.fingerprint,
             seconds=time.monotonic() - started,
         )
