@@ -128,6 +128,9 @@ def match(roster: Roster, submissions: Sequence[str]) -> Matching:
     claims: defaultdict[int, list[int]] = defaultdict(list)
     for index, submission in enumerate(submissions):
         rows = _rows(submission, by_id, by_name)
+        if not rows:
+            # Intake adds this to a name that it had to change.
+            rows = _rows(re.sub(r"-[0-9a-f]{6}$", "", submission), by_id, by_name)
         if len(rows) == 1:
             claims[min(rows)].append(index)
         else:
@@ -168,8 +171,6 @@ def _keys(roster: Roster) -> tuple[_Keys, _Keys]:
 
 def _rows(submission: str, by_id: _Keys, by_name: _Keys) -> set[int]:
     """Return the rows that fit, by the surest sign there is."""
-    # What intake adds to a name that it had to change.
-    submission = re.sub(r"-[0-9a-f]{6}$", "", submission) or submission
     words = _words(submission)
     if not words:
         return set()
