@@ -137,6 +137,13 @@ def _view(result: SubmissionResult) -> dict[str, object]:
     by_exercise: dict[str, list[TestResult]] = {}
     for test in result.tests:
         by_exercise.setdefault(exercise_of(test.number), []).append(test)
+    sections = {
+        "What to mend": _advice(test for test in shown if test.status in {"partial", "failed"}),
+        "What could not be checked": _advice(t for t in shown if t.status == "not_checked"),
+    }
+    costliest = sorted(
+        sections.items(), key=lambda item: -max((a.lost for a in item[1]), default=0)
+    )
     return {
         "student": line(result.student, 120) or "A submission without a name",
         "score": result.score,
@@ -145,8 +152,7 @@ def _view(result: SubmissionResult) -> dict[str, object]:
         "exercises": by_exercise,
         "tests": result.tests,
         "shown": shown,
-        "advice": _advice(test for test in shown if test.status in {"partial", "failed"}),
-        "unchecked": _advice(test for test in shown if test.status == "not_checked"),
+        "sections": [(title, advice) for title, advice in costliest if advice],
         "right": [test for test in shown if test.status == "passed"],
         "notes": [line(note, 2000) for note in result.notes],
         "seconds": result.seconds,

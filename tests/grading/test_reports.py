@@ -134,6 +134,12 @@ def test_the_costliest_message_comes_first_and_once(tmp_path):
     assert "The notebook was called Exercise_4_1 (2).ipynb." in text
 
 
+def test_what_could_not_be_checked_comes_first_when_it_costs_most(tmp_path):
+    lost = tuple(test.number for test in mixed().tests if test.number.startswith("4.2"))
+    text = page(written(result("zoe", {"4.1.1": 0.9}, unchecked=lost), tmp_path)).text
+    assert text.index("What could not be checked") < text.index("What to mend")
+
+
 def test_full_marks_are_praised(tmp_path):
     text = page(written(result(), tmp_path)).text
     assert "Everything that was asked works." in text
