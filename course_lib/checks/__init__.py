@@ -1,0 +1,1 @@
+"""The checks behind `course_lib.check`, one file for each exercise."""
