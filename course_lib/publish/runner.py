@@ -91,6 +91,7 @@ def _run(work: Coroutine[Any, Any, None]) -> None:
 def run_notebook(
     path: Path,
     *,
+    notebook: nbformat.NotebookNode | None = None,
     cell_timeout: float = 120.0,
     keep_widget_state: bool = False,
     on_cell: Callable[[int, int], None] | None = None,
@@ -101,6 +102,8 @@ def run_notebook(
     ----------
     path : Path
         The notebook; its folder is the kernel's working directory.
+    notebook : nbformat.NotebookNode, optional
+        Run this, a version 4.5, in the place of what the file holds.
     cell_timeout : float
         Seconds that one cell may take.
     keep_widget_state : bool
@@ -121,7 +124,7 @@ def run_notebook(
         Ctrl-C or SIGTERM; the kernel is gone by then.
     """
     path = path.resolve()
-    notebook: nbformat.NotebookNode = nbformat.read(path, as_version=4)  # type: ignore[no-untyped-call]
+    notebook = notebook or nbformat.read(path, as_version=4)  # type: ignore[no-untyped-call]
     count = len(notebook.cells)
 
     def cell_done(cell_index: int, **_: Any) -> None:  # noqa: ANN401
