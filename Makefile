@@ -8,7 +8,7 @@ PYTEST := $(RUN) -m pytest -n 2 --dist loadfile
 BENCHES = $(sort $(wildcard tests/bench/bench_*.py))
 
 .DEFAULT_GOAL := help
-.PHONY: help lab test lint test-opencv4 bench site notebooks images system lock clean
+.PHONY: help lab test lint test-opencv4 bench site notebooks release images system lock clean
 
 help: ## list these targets
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / {printf "  make %-14s %s\n", $$1, $$2}' $(firstword $(MAKEFILE_LIST))
@@ -17,7 +17,7 @@ lab: $(READY) ## open the course in JupyterLab (sets everything up the first tim
 	@.ci/lab
 
 test: $(READY) lint ## pass the tests (sets everything up the first time)
-	$(PYTEST) --nbval --nbval-sanitize-with tests/notebooks/sanitize.cfg tests notebooks
+	$(PYTEST) --nbval --nbval-sanitize-with tests/notebooks/sanitize.cfg tests notebooks solutions
 
 lint: $(READY)
 	$(VENV)/bin/ruff check .
@@ -34,7 +34,11 @@ site: $(READY) ## export the course as web pages whose sliders need no kernel, i
 	$(RUN) -m course_lib.publish.site --out site
 
 notebooks: $(READY) ## execute the notebooks and store their outputs, as CI expects them
-	$(RUN) -m course_lib.publish.execute
+	$(RUN) -m course_lib.publish.execute notebooks solutions
+
+release: $(READY) ## make exercises/ from solutions/, and build/students.zip
+	@mkdir -p build
+	$(RUN) -m course_lib.grading.release --bundle build/students.zip
 
 images: .venv-render/.ready ## render every picture and flight again (Python 3.11; hours on two cores)
 	.venv-render/bin/python images/render/render_all.py

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 import re
 import sys
@@ -12,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from course_lib.checks.table import Row, Table, Verdict
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    import argparse
 
 MIME = "application/vnd.course.check+json"
 _EXERCISE = re.compile(r"4\D?([12])(?!\d)")
@@ -120,17 +119,6 @@ def publish(exercise: str, namespace: dict[str, Any]) -> None:
     display({MIME: table.as_dict(), "text/plain": repr(table)}, raw=True)  # type: ignore[no-untyped-call]
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the ``course`` command of the students' bundle, which has only ``check``."""
-    parser = argparse.ArgumentParser(prog="course", description="Feature Matching, hands on")
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    checks = commands.add_parser(
-        "check", help="check an exercise", description="Run a saved notebook and check it."
-    )
-    add_arguments(checks)
-    return check_notebooks(parser.parse_args(arguments))
-
-
 def _named(path: Path) -> str:
     found = _EXERCISE.search(path.stem)
     if not found:
@@ -141,7 +129,3 @@ def _named(path: Path) -> str:
 def _as_table(data: dict[str, Any]) -> Table:
     rows = tuple(Row(**{**row, "verdict": Verdict(row["verdict"])}) for row in data["rows"])
     return Table(data["exercise"], rows)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

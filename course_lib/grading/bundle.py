@@ -10,8 +10,6 @@ from __future__ import annotations
 import zipfile
 from typing import TYPE_CHECKING
 
-from course_lib.grading.regions import ReleaseError
-
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
     from pathlib import Path
@@ -30,15 +28,13 @@ _CONTENTS = (
     (".ci", "environment"),
     (".ci", "lab"),
     (".", "LICENSE"),
+    (".", "pyproject.toml"),
     (".", "requirements.lock"),
 )
 _LIBRARY = "course_lib"
 _LIBRARY_SUFFIXES = {".py", ".js", ".css", ".html", ".j2", ".typed"}
 _STAYS_OUT = {"grading", "scenes"}
 _TEMPLATES = "course_lib/grading/bundle_files"
-# `course` without the grader.
-_FULL_COMMAND = '"course_lib.grading.cli:main"'
-_STUDENT_COMMAND = '"course_lib.checks.command:main"'
 
 
 def write_bundle(root: Path, exercises: Mapping[str, tuple[bytes, bool]], target: Path) -> int:
@@ -63,8 +59,6 @@ def write_bundle(root: Path, exercises: Mapping[str, tuple[bytes, bool]], target
     ------
     OSError
         Something is missing, or the zip cannot be written.
-    ReleaseError
-        ``pyproject.toml`` does not name the command that is replaced.
     """
     members = {**dict(_from_repository(root)), **exercises}
     draft = target.with_name(f".{target.name}.part")
@@ -97,15 +91,7 @@ def _from_repository(root: Path) -> Iterator[tuple[str, tuple[bytes, bool]]]:
             yield path.relative_to(root).as_posix(), _content(path)
     for path in sorted((root / _TEMPLATES).iterdir()):
         yield path.name, _content(path)
-    yield "pyproject.toml", (_project(root), False)
 
 
 def _content(path: Path) -> tuple[bytes, bool]:
     return path.read_bytes(), bool(path.stat().st_mode & 0o100)
-
-
-def _project(root: Path) -> bytes:
-    text = (root / "pyproject.toml").read_text(encoding="utf-8")
-    if text.count(_FULL_COMMAND) != 1:
-        raise ReleaseError(f"pyproject.toml names {_FULL_COMMAND} not once: is `course` defined?")
-    return text.replace(_FULL_COMMAND, _STUDENT_COMMAND).encode()

@@ -31,7 +31,7 @@ _BEGIN = re.compile(
     r"(?::[ \t]*(?P<hint>.*?))?[ \t]*(?P<close>-->)?[ \t]*"
 )
 _END = re.compile(r"[ \t]*(?P<form>###|#|<!--)[ \t]*END SOLUTION[ \t]*(?P<close>-->)?[ \t]*")
-_ANY = re.compile(r"(?:BEGIN|END)\W*SOLUTION", re.IGNORECASE)
+_ANY = re.compile(r"(?:BEGIN|END)[\W_]*SOLUTION", re.IGNORECASE)
 
 
 class ReleaseError(ValueError):
