@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import permutations
 from typing import TYPE_CHECKING
 
 import cv2
 import numpy as np
 
 from course_lib.checks.work import WrongError
-from course_lib.homography import project, template_corners
+from course_lib.homography import Matrix, project, template_corners
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -85,6 +86,11 @@ def must_match(
     corners = as_corners(found, name)
     if _off(corners, right) <= tolerance:
         return
+    if _off(_undone(corners, template), right) <= 2 * _NAMED * _size(right):
+        raise WrongError(
+            "The homography goes the wrong way: findHomography takes the template's points first, "
+            f"then the scene's ({where})"
+        )
     for guess, help_text in _mistakes(right, template):
         if np.isfinite(guess).all() and _off(corners, guess) <= _NAMED * _size(guess):
             raise WrongError(f"{help_text} ({where})")
@@ -108,28 +114,32 @@ def must_match(
 
 def _mistakes(right: Points, template: tuple[int, int]) -> Iterator[tuple[Points, str]]:
     corners = template_corners(template).astype(np.float64)
-    H = np.asarray(
-        cv2.getPerspectiveTransform(corners.astype(np.float32), right.astype(np.float32)),
-        np.float64,
-    )
-    inverse = project(np.asarray(np.linalg.inv(H), np.float64), corners)
-    yield (
-        inverse,
-        "The homography goes the wrong way: findHomography takes the template's points first",
-    )
+    H = _homography(corners, right)
     yield (
         project(H, template_corners(template[::-1]).astype(np.float64)),
         "Width and height are swapped in the corners: h, w = template.shape[:2]",
     )
     yield right[:, ::-1], "x and y are swapped: a corner is (x, y)"
     yield corners, "These are the template's own corners: send them through the homography"
-    for shift in range(4):
-        for turned in (right, right[::-1]):
-            # The right places, begun elsewhere or walked the other way.
-            yield (
-                np.roll(turned, shift, axis=0),
-                f"The corners are at the right places, in the wrong order: it is {ORDER}",
-            )
+    for order in permutations(range(4)):
+        yield (
+            right[list(order)],
+            f"The corners are at the right places, in the wrong order: it is {ORDER}",
+        )
+
+
+def _undone(corners: Points, template: tuple[int, int]) -> Points:
+    """Return where the template would be if the outline were drawn by the inverse homography."""
+    own = template_corners(template).astype(np.float64)
+    try:
+        return project(_homography(corners, own), own)
+    except (np.linalg.LinAlgError, cv2.error):
+        return np.full((4, 2), np.inf)
+
+
+def _homography(source: Points, target: Points) -> Matrix:
+    found = cv2.getPerspectiveTransform(source.astype(np.float32), target.astype(np.float32))
+    return np.asarray(found, np.float64)
 
 
 def _off(a: Points, b: Points) -> float:
