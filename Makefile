@@ -5,10 +5,12 @@ VENV := .venv
 RUN := $(VENV)/bin/python
 READY := $(VENV)/.ready
 PYTEST := $(RUN) -m pytest -n 2 --dist loadfile
+SUBMISSIONS ?= tests/grading/samples/class
+OUT ?= grades
 BENCHES = $(sort $(wildcard tests/bench/bench_*.py))
 
 .DEFAULT_GOAL := help
-.PHONY: help lab test lint test-opencv4 bench site notebooks release images system lock clean
+.PHONY: help lab test lint test-opencv4 bench site grade notebooks release images system lock clean
 
 help: ## list these targets
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / {printf "  make %-14s %s\n", $$1, $$2}' $(firstword $(MAKEFILE_LIST))
@@ -32,6 +34,9 @@ bench: $(READY) ## measure sliders, the locator and the notebooks against what o
 
 site: $(READY) ## export the course as web pages whose sliders need no kernel, into site/
 	$(RUN) -m course_lib.publish.site --out site
+
+grade: $(READY) ## grade the submissions in SUBMISSIONS (a sample class) and write the results to OUT
+	$(VENV)/bin/course grade $(SUBMISSIONS) --out $(OUT)
 
 notebooks: $(READY) ## execute the notebooks and store their outputs, as CI expects them
 	$(RUN) -m course_lib.publish.execute notebooks solutions

@@ -131,6 +131,15 @@ class Launcher:
             self._zygote.kill()
             self._zygote.wait()
 
+    @property
+    def pid(self) -> int | None:
+        """The process that forks kernels."""
+        return self._zygote.pid if self._zygote else None
+
+    def is_alive(self) -> bool:
+        """Tell whether it can start kernels; a submission's end never changes that."""
+        return self._zygote is not None and self._zygote.poll() is None
+
     def kernel(self, folder: Path) -> SandboxedKernel:
         """Start a kernel.
 

@@ -1,0 +1,336 @@
+"""
+A process that grades one submission after the other, each in a child of its own.
+
+It imports what grading needs once and forks: a child costs a few milliseconds, its memory goes with
+it, and its crash or hang is its own. Whatever a submission leaves behind, processes or files, is
+gone before the next begins. Started as ``python -m course_lib.grading.worker N`` with the number of
+an inherited socket, on which it takes `Settings` and then `Task`s, and answers results.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import gc
+import importlib
+import os
+import resource
+import select
+import signal
+import socket
+import sys
+import tempfile
+import time
+import traceback
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from course_lib.grading import framing
+from course_lib.grading.messages import Settings, Task, from_message, to_message
+from course_lib.grading.sandbox import Launcher, confine, keeper
+from course_lib.grading.scratch import remove
+from course_lib.grading.unchecked import unchecked
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from course_lib.grading.results import SubmissionResult
+
+_PR_SET_PDEATHSIG = 1
+_CLEAN_SECONDS = 20.0
+_LINGER_SECONDS = 2.0
+_libc = ctypes.CDLL(None, use_errno=True)
+
+
+class HungUpError(Exception):
+    """The grader wants no more of this worker."""
+
+
+class AttemptError(Exception):
+    """A grading child gave no result.
+
+    Attributes
+    ----------
+    again : bool
+        Whether another try may succeed.
+    ours : bool
+        Whether the grader itself failed, as it says.
+    """
+
+    def __init__(self, reason: str, *, again: bool, ours: bool) -> None:
+        super().__init__(reason)
+        self.again = again
+        self.ours = ours
+
+
+class Worker:
+    """Grades what it is sent.
+
+    Parameters
+    ----------
+    link : socket
+        To the grader.
+    settings : Settings
+    scratch : Path
+        An empty folder of its own, for temporary files.
+    """
+
+    def __init__(self, link: socket.socket, settings: Settings, scratch: Path) -> None:
+        self._link = link
+        self._settings = settings
+        self._scratch = scratch
+        self._launcher: Launcher | None = None
+        module, _, name = settings.grade.partition(":")
+        self._grade: Callable[..., SubmissionResult] = getattr(
+            importlib.import_module(module), name
+        )
+
+    def prepare(self) -> None:
+        """Warm up, so that children find everything imported.
+
+        Raises
+        ------
+        RuntimeError
+            When a thread has started: its locks would stay locked in a fork.
+        """
+        self._start_launcher()
+        gc.collect()
+        gc.freeze()  # what is here stays: a collection in a child need not touch, and so copy, it
+        if len(list(Path("/proc/self/task").iterdir())) > 1:
+            raise RuntimeError("a thread runs in the worker, which must fork")
+
+    def serve(self) -> None:
+        """Answer tasks until the grader hangs up."""
+        while True:
+            try:
+                data, _ = framing.receive(self._link)
+            except (EOFError, OSError):
+                return
+            try:
+                answer = self._answer(Task.from_data(data))
+            except HungUpError:
+                return
+            self._link.sendall(answer)
+
+    def close(self) -> None:
+        """End everything that was started."""
+        if self._launcher:
+            with contextlib.suppress(OSError):
+                self._launcher.__exit__(None, None, None)
+            self._launcher = None
+        _end_descendants(keep=None)
+        remove(self._scratch)
+
+    def _answer(self, task: Task) -> bytes:
+        failure = ""
+        try:
+            content, blobs = self._with_second_try(task)
+        except AttemptError as error:
+            failure = str(error) if error.ours else ""
+            content, blobs = self._unchecked(task, error)
+        return framing.pack({"result": content, "failure": failure}, blobs)
+
+    def _with_second_try(self, task: Task) -> framing.Message:
+        if task.given_up:
+            raise AttemptError(task.given_up, again=False, ours=True)
+        try:
+            return self._attempt(lambda: self._grade(task.job(self._settings), self._launcher))
+        except AttemptError as error:
+            self.close()  # nothing that the first try has touched is used again
+            if not error.again:
+                raise
+        return self._attempt(lambda: self._grade(task.job(self._settings), self._launcher))
+
+    def _unchecked(self, task: Task, error: AttemptError) -> framing.Message:
+        reason = str(error)
+        kept = "" if error.ours else task.fingerprint  # what was our fault is graded anew
+        try:
+            return self._attempt(
+                lambda: replace(unchecked(task, self._settings, reason), fingerprint=kept)
+            )
+        except AttemptError:  # the hidden tests themselves cannot be read
+            bare = Settings(b"", self._scratch, (), "", self._settings.limits)
+            return to_message(replace(unchecked(task, bare, reason), fingerprint=kept))
+
+    def _start_launcher(self) -> None:
+        if self._launcher is None:
+            self._scratch.mkdir(mode=0o711, exist_ok=True)
+            launcher = Launcher(self._settings.sandbox, self._settings.limits)
+            self._launcher = launcher.__enter__()
+
+    def _attempt(self, make: Callable[[], SubmissionResult]) -> framing.Message:
+        """Make a result in a child; nothing of it is left afterwards."""
+        try:
+            self._start_launcher()
+        except Exception as error:
+            raise AttemptError(_describe(error), again=True, ours=True) from error
+        own = Path(tempfile.mkdtemp(prefix="", dir=self._scratch))
+        own.chmod(0o711)  # the students' own user passes through to its working folder
+        mine, theirs = socket.socketpair()
+        me = os.getpid()
+        child = os.fork()
+        if child == 0:
+            self._link.close()
+            mine.close()
+            _be_child(theirs, make, own, me, self._settings.own_bytes)
+        theirs.close()
+        handle = os.pidfd_open(child)
+        try:
+            with mine:
+                data = self._await(mine, handle)
+            message = framing.unpack(data)
+        except (AttemptError, framing.BrokenMessageError) as error:
+            os.kill(child, signal.SIGKILL)
+            _, status = os.waitpid(child, 0)
+            if isinstance(error, AttemptError):
+                raise
+            how = _ended(status)
+            raise AttemptError(f"the grading process {how}", again=True, ours=False) from error
+        except HungUpError:
+            os.kill(child, signal.SIGKILL)
+            raise
+        else:
+            if select.select([handle], [], [], _LINGER_SECONDS)[0] == []:
+                os.kill(child, signal.SIGKILL)
+            os.waitpid(child, 0)
+        finally:
+            os.close(handle)
+            self._tidy(own)
+        content, blobs = message
+        if "error" in content:
+            raise AttemptError(str(content["error"]), again=bool(content["again"]), ours=True)
+        from_message(content, blobs)  # what is no result is found here, not in the grader
+        return message
+
+    def _await(self, mine: socket.socket, handle: int) -> bytes:
+        """Read what a child says until it hangs up."""
+        limit = self._settings.limits.wall_s + self._settings.grace_s
+        deadline = time.monotonic() + limit
+        data = bytearray()
+        watched: list[Any] = [mine, handle, self._link]
+        while True:
+            left = deadline - time.monotonic()
+            ready, _, _ = select.select(watched, [], [], max(0.0, left))
+            if self._link in ready:
+                raise HungUpError
+            if mine in ready:
+                chunk = mine.recv(1 << 20)
+                if not chunk:
+                    return bytes(data)
+                data += chunk
+                if len(data) > framing.MOST_BYTES:
+                    raise AttemptError("the result was too large", again=False, ours=False)
+            elif handle in ready:
+                return bytes(data)
+            elif not ready:
+                reason = f"grading took longer than {limit:.0f} s and was stopped"
+                raise AttemptError(reason, again=False, ours=False)
+
+    def _tidy(self, own: Path) -> None:
+        """End what the child left behind, and delete its files."""
+        zygote = self._launcher.pid if self._launcher else None
+        _end_descendants(keep=zygote)
+        remove(own)
+        if self._launcher and not self._launcher.is_alive():
+            self._launcher.__exit__(None, None, None)
+            self._launcher = None
+
+
+def _be_child(
+    link: socket.socket,
+    make: Callable[[], SubmissionResult],
+    own: Path,
+    parent: int,
+    own_bytes: int,
+) -> None:
+    """Grade, send, end; never returns."""
+    try:
+        _libc.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
+        if os.getppid() != parent:
+            os._exit(1)
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        resource.setrlimit(resource.RLIMIT_DATA, (own_bytes, own_bytes))
+        tempfile.tempdir = str(own)
+        if "cv2" in sys.modules:
+            sys.modules["cv2"].setNumThreads(1)  # a worker for each processor is enough
+        try:
+            data = framing.pack(*to_message(make()))
+        except BaseException as error:  # noqa: BLE001  (whatever happens is said)
+            again = not isinstance(error, MemoryError)
+            data = framing.pack({"error": _describe(error), "again": again})
+        link.sendall(data)
+        link.close()
+    finally:
+        os._exit(0)
+
+
+def _describe(error: BaseException) -> str:
+    place = traceback.extract_tb(error.__traceback__)[-1:]
+    where = f" ({Path(place[0].filename).name}, line {place[0].lineno})" if place else ""
+    return f"{type(error).__name__}: {str(error)[:1000]}{where}"
+
+
+def _ended(status: int) -> str:
+    code = os.waitstatus_to_exitcode(status)
+    if code >= 0:
+        return f"ended early, with status {code}"
+    return f"was ended by {signal.Signals(-code).name}"
+
+
+def _end_descendants(keep: int | None) -> None:
+    """Kill every process below this one but one, and bury them all.
+
+    What a sandbox is just about to end itself gets a moment for it.
+    """
+    start = time.monotonic()
+    while time.monotonic() < start + _CLEAN_SECONDS:
+        _bury(keep)
+        strays = [pid for pid in keeper.descendants(os.getpid()) if pid != keep]
+        if not strays:
+            return
+        if time.monotonic() > start + 0.3:
+            for pid in strays:
+                with contextlib.suppress(OSError):
+                    os.kill(pid, signal.SIGKILL)
+        time.sleep(0.01)
+
+
+def _bury(keep: int | None) -> None:
+    """Wait for every child that has ended; the one to be kept is its owner's to wait for."""
+    with contextlib.suppress(ChildProcessError):
+        while (ended := os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT)) is not None:
+            if ended.si_pid == keep:
+                return
+            os.waitpid(ended.si_pid, 0)
+
+
+def main() -> None:
+    """Serve the grader on the socket whose number is the one argument."""
+    link = socket.socket(fileno=int(sys.argv[1]))
+    link.set_inheritable(False)
+    confine.become_subreaper()  # what a killed child leaves behind is found below this process
+    grader = os.getppid()
+    first, _ = framing.receive(link)
+    scratch = Path(first["scratch"])
+    tempfile.tempdir = str(scratch)
+    worker: Worker | None = None
+    try:
+        worker = Worker(link, Settings.from_data(first["settings"]), scratch)
+        worker.prepare()
+        link.sendall(framing.pack({"ready": True}))
+        worker.serve()
+    except Exception as error:  # noqa: BLE001
+        with contextlib.suppress(OSError):
+            link.sendall(framing.pack({"error": _describe(error)}))
+    finally:
+        if worker:
+            worker.close()
+        if os.getppid() != grader:  # it was killed: nobody else will clear up
+            scratch.with_name(f"{scratch.name}.log").unlink(missing_ok=True)
+            with contextlib.suppress(OSError):  # the last worker to leave can
+                scratch.parent.rmdir()
+
+
+if __name__ == "__main__":
+    main()
