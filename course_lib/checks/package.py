@@ -1,0 +1,148 @@
+"""The public checks of the ROS package ``unit4/``: all there, and readable."""
+
+from __future__ import annotations
+
+import ast
+import os
+import xml.etree.ElementTree as ET
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from course_lib.checks.work import Check, NotYetError, WrongError
+
+if TYPE_CHECKING:
+    from course_lib.checks.work import Work
+
+FOLDER = Path("unit4")
+# What `course release` leaves where a part is the student's to write.
+_STUB = "Your part:"
+_NEEDED = ("rospy", "sensor_msgs", "cv_bridge")
+_IMAGE_TOPIC = "/camera/rgb/image_raw"
+_MOST_BYTES = 1_000_000
+
+
+def _read(name: str) -> str:
+    path = FOLDER / name
+    if not path.is_file():
+        raise NotYetError(f"There is no file {path} yet.")
+    if path.stat().st_size > _MOST_BYTES:
+        raise WrongError(f"{path} is far too large for what it is.")
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (UnicodeDecodeError, OSError) as error:
+        raise WrongError(f"{path} cannot be read as text: {error}") from None
+    for line in text.splitlines():
+        if _STUB in line:
+            raise NotYetError(f"{path}: {line.split(_STUB)[1].split('-->')[0].strip()}.")
+    return text
+
+
+def _xml(name: str, root: str) -> ET.Element:
+    text = _read(name)
+    if "<!ENTITY" in text:
+        raise WrongError(f"unit4/{name} declares entities, which ROS does not need.")
+    try:
+        tree = ET.fromstring(text)  # noqa: S314 (the student's own file, without entities)
+    except ET.ParseError as error:
+        raise WrongError(f"unit4/{name} is not well-formed XML: {error}.") from None
+    if tree.tag != root:
+        raise WrongError(f"unit4/{name} should begin with <{root}>, not <{tree.tag}>.")
+    return tree
+
+
+def _package_xml(_: Work) -> None:
+    tree = _xml("package.xml", "package")
+    if not (tree.findtext("name") or "").strip():
+        raise WrongError("package.xml does not say <name>unit4</name>.")
+    depends = {(each.text or "").strip() for each in tree if "depend" in each.tag}
+    if missing := [name for name in _NEEDED if name not in depends]:
+        raise WrongError(
+            f"The nodes import {', '.join(missing)}, so package.xml should depend on it: "
+            f"<exec_depend>{missing[0]}</exec_depend>."
+        )
+
+
+def _cmake(_: Work) -> None:
+    text = _read("CMakeLists.txt")
+    for part in ("project(", "find_package(catkin", "catkin_package("):
+        if part not in text.replace(" ", ""):
+            raise WrongError(f"CMakeLists.txt has no {part}…). Without it catkin does not build.")
+
+
+def _node(name: str, words: tuple[str, ...], _: Work) -> None:
+    text = _read(f"src/{name}")
+    try:
+        tree = ast.parse(text)
+    except (SyntaxError, ValueError) as error:
+        line = getattr(error, "lineno", None)
+        raise WrongError(f"{name} is not Python: {error} (line {line}).") from None
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Raise) and "NotImplementedError" in ast.dump(node):
+            call = node.exc
+            hint = ""
+            if isinstance(call, ast.Call) and call.args and isinstance(call.args[0], ast.Constant):
+                hint = str(call.args[0].value)
+            raise NotYetError(f"Line {node.lineno} of {name} is yours to write: {hint or '…'}.")
+    if "import rospy" not in text and "from rospy" not in text:
+        raise WrongError(f"{name} does not import rospy.")
+    for word in words:
+        if word not in text and not _in_launch_file(name, word):
+            raise WrongError(f"{name} should use the topic {word}, and does not name it.")
+    if not text.startswith("#!"):
+        raise WrongError(f"{name} should begin with #!/usr/bin/env python3, or it cannot be run.")
+    if not os.access(FOLDER / "src" / name, os.X_OK):
+        raise WrongError(f"{name} may not be executed: chmod +x unit4/src/{name}")
+
+
+def _in_launch_file(node: str, word: str) -> bool:
+    launch = FOLDER / "launch" / node.replace(".py", ".launch")
+    return launch.is_file() and word in launch.read_text(encoding="utf-8", errors="replace")
+
+
+def _launch(name: str, node: str, _: Work) -> None:
+    tree = _xml(f"launch/{name}", "launch")
+    nodes = list(tree.iter("node"))
+    if not nodes:
+        raise WrongError(f"{name} starts no <node>.")
+    types = [each.get("type", "") for each in nodes]
+    if node not in types:
+        raise WrongError(f'{name} should start type="{node}", not "{types[0]}".')
+    started = nodes[types.index(node)]
+    if not started.get("name"):
+        raise WrongError(f"The <node> in {name} has no name.")
+    try:
+        package = (_xml("package.xml", "package").findtext("name") or "").strip()
+    except (NotYetError, WrongError):
+        return  # that file has a row of its own
+    if started.get("pkg") != package:
+        raise WrongError(
+            f'{name} takes its node from pkg="{started.get("pkg", "")}", but package.xml names '
+            f"this package {package}."
+        )
+
+
+CHECKS = (
+    Check("unit4/package.xml", "names the package and what it depends on", _package_xml),
+    Check("unit4/CMakeLists.txt", "lets catkin build it", _cmake),
+    Check(
+        "unit4/src/exercise4_2_1.py",
+        "takes a picture from the camera's topic",
+        partial(_node, "exercise4_2_1.py", (_IMAGE_TOPIC,)),
+    ),
+    Check(
+        "unit4/src/exercise4_2_2.py",
+        "publishes the outlined picture and the corners",
+        partial(_node, "exercise4_2_2.py", (_IMAGE_TOPIC, "waterhole/image", "waterhole/corners")),
+    ),
+    Check(
+        "unit4/launch/exercise4_2_1.launch",
+        "starts the first node",
+        partial(_launch, "exercise4_2_1.launch", "exercise4_2_1.py"),
+    ),
+    Check(
+        "unit4/launch/exercise4_2_2.launch",
+        "starts the second node",
+        partial(_launch, "exercise4_2_2.launch", "exercise4_2_2.py"),
+    ),
+)
