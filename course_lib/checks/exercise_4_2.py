@@ -149,7 +149,7 @@ def _nowhere(work: Work) -> None:
         if work.call("locate_waterhole", well, frame, 100) is not None:
             raise WrongError(
                 f"There is no waterhole {place}, and locate_waterhole returns an outline. Count "
-                "the inliers, mask.sum(): return None below ten, and when the outline is not convex."
+                "the inliers, mask.sum(): return None below ten, and when it is not convex."
             )
 
 
