@@ -147,7 +147,9 @@ def _print(_: Deed) -> None:
 
 
 def _where(_: Deed) -> list[str]:
-    return [f"cwd {Path.cwd()}", f"path {[p for p in sys.path if not p.startswith('/')]}"]
+    # An editable install puts the name of its import hook there, which is no folder.
+    relative = [p for p in sys.path if not p.startswith("/") and not p.endswith("__path_hook__")]
+    return [f"cwd {Path.cwd()}", f"path {relative}"]
 
 
 def _unwritable(_: Deed) -> list[str]:
