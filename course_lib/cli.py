@@ -34,7 +34,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         The exit status.
     """
     given = list(sys.argv[1:] if arguments is None else arguments)
-    parser = argparse.ArgumentParser(prog="course", description="Work with the exercises of this course.")
+    parser = argparse.ArgumentParser(
+        prog="course", description="Work with the exercises of this course."
+    )
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     chosen = None
     for name, (module, purpose) in _COMMANDS.items():
