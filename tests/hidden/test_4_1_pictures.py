@@ -1,0 +1,71 @@
+"""Exercise 4.1: the three pictures that the notebook draws."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from course_lib import images
+from course_lib.grading.drawn import largest_set, sightings
+from course_lib.grading.rubric import points
+
+EXERCISE = "4.1"
+MOST = 12  # pictures that are looked at, the last ones
+# Of a picture's pixels: fewer changed ones mean that nothing was drawn on it.
+DRAWN_ON = 0.006
+WANTED = (
+    "the keypoints of the mug",
+    "the matches between mug and scene",
+    "the mug outlined in the scene",
+)
+
+
+@points(1, "4.1.9", "Three pictures: keypoints, matches, the outlined mug")
+def test_three_pictures(student, grade):
+    """Found among what the notebook drew, whatever its size and style."""
+    mug = images.resize(images.load("ROS.png"), 400, 600)
+    scene = images.resize(images.load("ROS2.png"), 600, 400)
+    fits = []
+    for picture in student.pictures[::-1][:MOST]:
+        fits += _could_be(picture, mug, scene)
+        if largest_set(fits) == len(WANTED):
+            return
+    grade.add(largest_set(fits) / len(WANTED))
+    for number, name in enumerate(WANTED):
+        if not any(could[number] for could in fits):
+            grade.note(
+                f"No picture shows {name}. Draw it, with cv2 or matplotlib, and run the cell."
+            )
+    if fits and all(could.any() for could in fits):
+        grade.note("Each of the three needs a picture of its own.")
+
+
+def _could_be(picture, mug, scene):
+    """Return what each part of a picture could be: keypoints, matches, outline."""
+    mugs = [seen for seen in sightings(picture, mug) if seen.drawn > DRAWN_ON]
+    scenes = sightings(picture, scene)
+    # The mug that stands in the scene is not a mug of its own.
+    mugs = [one for one in mugs if not any(_middle_inside(one.box, s.box) for s in scenes)]
+    scenes = [seen for seen in scenes if seen.drawn > DRAWN_ON]
+    parts = []
+    for one in list(mugs):
+        beside = [s for s in scenes if _beside(one.box, s.box)]
+        if beside:
+            parts.append(np.array([False, True, False]))
+            mugs.remove(one)
+            scenes.remove(beside[0])
+    # One figure with several axes holds several pictures.
+    parts += [np.array([True, False, False])] * len(mugs)
+    return parts + [np.array([False, False, True])] * len(scenes)
+
+
+def _middle_inside(inner, outer):
+    x, y = (inner[0] + inner[2]) / 2, (inner[1] + inner[3]) / 2
+    return outer[0] <= x <= outer[2] and outer[1] <= y <= outer[3]
+
+
+def _beside(mug, scene):
+    """Tell whether a mug and a scene touch and have one scale, as in cv2.drawMatches."""
+    near = 0.12 * (mug[2] - mug[0])
+    side_by_side = min(abs(mug[2] - scene[0]), abs(scene[2] - mug[0])) < near
+    scale_mug, scale_scene = (mug[2] - mug[0]) / 400, (scene[2] - scene[0]) / 600
+    return side_by_side and 0.8 < scale_mug / scale_scene < 1.25
