@@ -69,10 +69,9 @@ def notebook(script: str) -> nbformat.NotebookNode:
     made = v4.new_notebook()
     pieces = _CELL.split(script)[1:]  # what stands before the first mark is ours
     for number, (kind, text) in enumerate(zip(pieces[::2], pieces[1::2], strict=True)):
-        if kind:
-            text = re.sub(r"^# ?", "", text, flags=re.MULTILINE)
         make = v4.new_markdown_cell if kind else v4.new_code_cell
-        made.cells.append(make(text.strip("\n"), id=f"cell-{number}"))
+        said = re.sub(r"^# ?", "", text, flags=re.MULTILINE) if kind else text
+        made.cells.append(make(said.strip("\n"), id=f"cell-{number}"))
     return made
 
 
@@ -100,7 +99,8 @@ def _edit(path: Path, old: str, new: str) -> None:
 
 def _module(path: Path) -> Any:
     spec = importlib.util.spec_from_file_location(f"sample_{path.parent.name}", path)
-    assert spec and spec.loader
+    assert spec
+    assert spec.loader
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
