@@ -26,6 +26,8 @@ PACKAGE = "unit4"
 # The node of Example 4.5 lies with the solutions, but it is no exercise.
 _EXAMPLE = "example"
 _JUNK = {"__pycache__", ".ipynb_checkpoints"}
+# The template in the package is what the notebook cuts out: the student's to make.
+_MADE = {".png"}
 # The one file of exercises/ that is written by hand.
 _BY_HAND = "README.md"
 
@@ -65,7 +67,7 @@ def release(solutions: Path) -> dict[str, Released]:
     files = {path.name: Released(_notebook(path)) for path in notebooks}
     for path in sorted((solutions / PACKAGE).rglob("*")):
         is_junk = _JUNK.intersection(path.parts) or path.name.startswith((_EXAMPLE, "."))
-        if path.is_file() and not is_junk:
+        if path.is_file() and not is_junk and path.suffix not in _MADE:
             name = path.relative_to(solutions).as_posix()
             text = without_solutions(path.read_text(encoding="utf-8"), name)
             if path.suffix == ".py":

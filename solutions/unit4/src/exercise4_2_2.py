@@ -1,0 +1,149 @@
+#!/usr/bin/env python3
+"""Exercise 4.2, second node: find the waterhole in the drone's camera stream.
+
+Parameters (private):
+  ~image_topic  sensor_msgs/Image to watch (default /camera/rgb/image_raw)
+  ~template     picture of the waterhole, a file; a relative name is looked up beside this node,
+                in its package and in the working folder (default waterhole.png)
+  ~match_count  how many of the best matches to use (default: what best_match_count found)
+  ~show         open a window, where there is a display (default false)
+
+Publishes /waterhole/image (sensor_msgs/Image: the frame, the waterhole outlined) and
+/waterhole/corners (geometry_msgs/PolygonStamped, in pixels, with the frame's stamp; no points:
+not found).
+"""
+
+import os
+from pathlib import Path
+
+import cv2
+import numpy as np
+import rospy
+from cv_bridge import CvBridge, CvBridgeError
+from geometry_msgs.msg import Point32, PolygonStamped
+from sensor_msgs.msg import Image
+
+### BEGIN SOLUTION: MATCH_COUNT = the number that best_match_count found
+MATCH_COUNT = 58
+### END SOLUTION
+
+# From here to the line below, the notebook's functions: it puts them here.
+
+
+def find_keypoints(image):
+    """Return the ORB keypoints of a BGR picture, and their descriptors."""
+    ### BEGIN SOLUTION: step 3: convert to grey, then ORB's detectAndCompute
+    gray = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
+    return cv2.ORB_create(1000).detectAndCompute(gray, None)
+    ### END SOLUTION
+
+
+def match_points(template_features, frame_features):
+    """Return matched points, in the template and in the frame, best first; each (N, 2)."""
+    ### BEGIN SOLUTION: step 3: match, sort by distance, collect both points of each match
+    (keypoints_a, descriptors_a), (keypoints_b, descriptors_b) = template_features, frame_features
+    if descriptors_a is None or descriptors_b is None:
+        return np.empty((0, 2), np.float32), np.empty((0, 2), np.float32)
+    matcher = cv2.BFMatcher(cv2.NORM_HAMMING, crossCheck=True)
+    matches = sorted(matcher.match(descriptors_a, descriptors_b), key=lambda m: m.distance)
+    points_a = np.float32([keypoints_a[m.queryIdx].pt for m in matches])
+    points_b = np.float32([keypoints_b[m.trainIdx].pt for m in matches])
+    return points_a.reshape(-1, 2), points_b.reshape(-1, 2)
+    ### END SOLUTION
+
+
+def fit_outline(shape, points_template, points_frame):
+    """Return the corners of a picture of this shape in the frame, (4, 2), or None."""
+    ### BEGIN SOLUTION: step 3: findHomography, then the corners; None unless it is believable
+    if len(points_template) < 4:
+        return None
+    H, mask = cv2.findHomography(points_template, points_frame, cv2.RANSAC, 5.0)
+    if H is None or mask.sum() < 10:
+        return None
+    h, w = shape[:2]
+    corners = np.float32([[0, 0], [0, h - 1], [w - 1, h - 1], [w - 1, 0]]).reshape(-1, 1, 2)
+    corners = cv2.perspectiveTransform(corners, H).reshape(4, 2)
+    area = -cv2.contourArea(corners, oriented=True)  # negative when it is mirrored
+    return corners if cv2.isContourConvex(corners) and area > 400 else None
+    ### END SOLUTION
+
+
+# From here to the line above, the notebook's functions.
+
+
+def find_file(name):
+    """Give the path of a file named relative to the node, its package or the working folder."""
+    here = Path(__file__).resolve().parent
+    for folder in (here, here.parent, Path.cwd()):
+        if (folder / name).is_file():
+            return folder / name
+    raise FileNotFoundError(
+        f"no template {name!r} in {here}, above it or in {Path.cwd()}. Exercise 4.2's notebook "
+        "saves it as unit4/waterhole.png; or name another file: template:=/home/me/waterhole.png"
+    )
+
+
+class WaterholeNode:
+    """Connects the notebook's functions to the camera's topic."""
+
+    def __init__(self):
+        file = find_file(rospy.get_param("~template", "waterhole.png"))
+        self.template = cv2.imread(str(file))
+        if self.template is None:
+            raise ValueError(f"{file} is not a picture. Save the template anew.")
+        self.match_count = rospy.get_param("~match_count", MATCH_COUNT)
+        self.show = rospy.get_param("~show", default=False) and "DISPLAY" in os.environ
+        if self.show:
+            rospy.on_shutdown(cv2.destroyAllWindows)
+        self.bridge = CvBridge()
+        topic = rospy.get_param("~image_topic", "/camera/rgb/image_raw")
+        ### BEGIN SOLUTION: the template's features, two publishers, and last the subscriber
+        # The template never changes: its features are computed once, not for every frame.
+        self.features = find_keypoints(self.template)
+        self.image_publisher = rospy.Publisher("/waterhole/image", Image, queue_size=1)
+        self.corners_publisher = rospy.Publisher("/waterhole/corners", PolygonStamped, queue_size=1)
+        # A picture is bigger than the default buffer: without buff_size old ones pile up there.
+        rospy.Subscriber(topic, Image, self.on_image, queue_size=1, buff_size=2**24)
+        ### END SOLUTION
+        rospy.loginfo("looking for %s on %s", file.name, topic)
+
+    def on_image(self, message):
+        """Look for the waterhole in one frame and publish what was found."""
+        try:
+            frame = self.bridge.imgmsg_to_cv2(message, "bgr8")
+        except (CvBridgeError, TypeError, ValueError) as error:  # cut short, or no picture at all
+            rospy.logerr("frame left out: %s", error)
+            return
+        corners = self.find(frame)
+        self.publish(message.header, frame, corners)
+        if self.show:
+            cv2.imshow("waterhole", frame)
+            cv2.waitKey(1)
+
+    def find(self, frame):
+        """Give the waterhole's corners in a BGR frame, (4, 2), or None."""
+        ### BEGIN SOLUTION: match self.features with the frame's, then fit_outline
+        points_a, points_b = match_points(self.features, find_keypoints(frame))
+        n = self.match_count
+        return fit_outline(self.template.shape, points_a[:n], points_b[:n])
+        ### END SOLUTION
+
+    def publish(self, header, frame, corners):
+        """Publish corners as a polygon (None: no points), and the frame with their outline."""
+        ### BEGIN SOLUTION: a PolygonStamped and an Image, both with the frame's own header
+        polygon = PolygonStamped(header=header)
+        if corners is not None:
+            polygon.polygon.points = [Point32(x, y, 0) for x, y in corners.tolist()]
+            outline = np.int32(np.rint(corners)).reshape(-1, 1, 2)
+            cv2.polylines(frame, [outline], isClosed=True, color=(0, 255, 0), thickness=3)
+        self.corners_publisher.publish(polygon)
+        outlined = self.bridge.cv2_to_imgmsg(frame, "bgr8")
+        outlined.header = header
+        self.image_publisher.publish(outlined)
+        ### END SOLUTION
+
+
+if __name__ == "__main__":
+    rospy.init_node("exercise4_2_2")
+    WaterholeNode()
+    rospy.spin()
