@@ -1,12 +1,14 @@
-"""Camera frames from recorded flights, video files, webcams and folders, behind one iterator."""
+"""Frames from recorded flights, a simulated drone, videos, webcams and folders, one iterator."""
 
 from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
 from course_lib import images
 from course_lib.camera.bag import BagSource, is_bag
+from course_lib.camera.flown import DroneSource, is_drone
 from course_lib.camera.folder import FolderSource
 from course_lib.camera.frames import CameraError, Frame, FrameSource
 from course_lib.camera.video import VIDEO_SUFFIXES, VideoSource
@@ -15,23 +17,27 @@ __all__ = ["CameraError", "Frame", "FrameSource", "open_camera"]
 
 
 def open_camera(
-    source: str | Path | int, *, topic: str | None = None, rate: float = 30.0
+    source: str | Path | int | Any,  # noqa: ANN401 (a Drone, which must not be imported here)
+    *,
+    topic: str | None = None,
+    rate: float = 30.0,
 ) -> FrameSource:
     """
     Open a source of timestamped frames.
 
     Parameters
     ----------
-    source : str, Path or int
+    source : str, Path, int or Drone
         A recorded flight, by the name of a course file (``"flight.bag"``) or by path: a ROS 1 bag,
         or a ROS 2 recording (its folder, or a single ``.mcap`` or ``.db3`` file); a video file; a
-        folder of pictures; a webcam by number or device (``0``, ``"/dev/video0"``); or a stream's
-        address (``"rtsp://…"``).
+        folder of pictures; a webcam by number or device (``0``, ``"/dev/video0"``); a stream's
+        address (``"rtsp://…"``); or the simulated drone: ``"drone"`` for one that hovers, or a
+        :class:`course_lib.drone.Drone` of your own that you steer between its frames.
     topic : str or None
         Which image topic of a recording; None takes the only one there is.
     rate : float
-        Frames per second of a folder of pictures, whose files do not say. Files named by their
-        time in nanoseconds keep that time.
+        Frames per second of a folder of pictures, whose files do not say, and of the simulated
+        drone. Files named by their time in nanoseconds keep that time.
 
     Returns
     -------
@@ -59,8 +65,10 @@ def open_camera(
     100000000 (48, 64, 3) 1
     200000000 (48, 64, 3) 2
     """
+    if is_drone(source):
+        return DroneSource(source, rate=rate)
     if isinstance(source, bool) or not isinstance(source, str | Path | int):
-        raise TypeError(f"source must be a path or a webcam's number, got {source!r}")
+        raise TypeError(f"source must be a path, a webcam's number or a drone, got {source!r}")
     if isinstance(source, int):
         return VideoSource(source)
     text = str(source)

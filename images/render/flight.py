@@ -17,12 +17,14 @@ import numpy as np
 import sensor
 import truth
 import yard
-import yard_world
 from mathutils import Matrix
 from numpy.typing import NDArray
 from rosbags.rosbag1 import Writer
 from rosbags.typesys import Stores, get_typestore
-from silhouette import silhouette
+
+from course_lib.yard import world as yard_world
+from course_lib.yard.lens import SIZE, camera_matrix
+from course_lib.yard.silhouette import silhouette
 
 CACHE = Path(__file__).resolve().parents[2] / "build" / "flights"
 TOPIC = "/camera/rgb"
@@ -69,7 +71,7 @@ def check_camera(scene: bpy.types.Scene, pose: NDArray[np.float64]) -> None:
     """
     if not np.allclose(truth.camera_from_world(scene), pose, atol=1e-4):
         raise ValueError(f"pose: frame {scene.frame_current} is not where Blender's camera stands")
-    if not np.allclose(truth.intrinsics(scene), flight_path.camera_matrix(), atol=1e-3):
+    if not np.allclose(truth.intrinsics(scene), camera_matrix(), atol=1e-3):
         raise ValueError("camera matrix: differs from Blender's camera; compare HFOV and SIZE")
 
 
@@ -116,7 +118,7 @@ def write_bag(path: Path, pictures: list[NDArray[np.uint8]]) -> list[int]:
     """Write compressed pictures and camera information; return the stamps, ns."""
     path.parent.mkdir(parents=True, exist_ok=True)
     path.unlink(missing_ok=True)
-    K = flight_path.camera_matrix()
+    K = camera_matrix()
     image_type, info_type = "sensor_msgs/msg/CompressedImage", "sensor_msgs/msg/CameraInfo"
     region = STORE.types["sensor_msgs/msg/RegionOfInterest"](
         x_offset=0, y_offset=0, height=0, width=0, do_rectify=False
@@ -132,8 +134,8 @@ def write_bag(path: Path, pictures: list[NDArray[np.uint8]]) -> list[int]:
             )
             info = STORE.types[info_type](
                 header=_header(index, stamp),
-                height=flight_path.SIZE[1],
-                width=flight_path.SIZE[0],
+                height=SIZE[1],
+                width=SIZE[0],
                 distortion_model="plumb_bob",
                 D=np.zeros(5),
                 K=K.ravel(),
@@ -169,12 +171,12 @@ def record(flight: flight_path.Flight, out: Path, wanted: range) -> Path:
     pictures = [see(path, index, seed) for index, path in zip(wanted, paths, strict=True)]
     bag = out / f"{flight.name}.bag"
     stamps = write_bag(bag, pictures)
-    K = flight_path.camera_matrix()
+    K = camera_matrix()
     poses = flight_path.poses(flight)
     well = yard_world.triangles(list(yard_world.well()))
     frames = []
     for stamp, index in zip(stamps, wanted, strict=True):
-        polygon, visible = silhouette(well, K, poses[index], flight_path.SIZE)
+        polygon, visible = silhouette(well, K, poses[index], SIZE)
         frames.append(
             {
                 "stamp_ns": stamp,
@@ -184,7 +186,7 @@ def record(flight: flight_path.Flight, out: Path, wanted: range) -> Path:
         )
     about: dict[str, Any] = {
         "bag": bag.name,
-        "size": list(flight_path.SIZE),
+        "size": list(SIZE),
         "camera": {"K": K},
         "wall_y": yard_world.WALL_Y,
         "frames": frames,

@@ -10,8 +10,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-SIZE = (640, 480)
-HFOV = float(np.radians(64.0))
 FRAMES_PER_SECOND = 10
 
 WayPoint = tuple[int, tuple[float, float, float], tuple[float, float, float], float]
@@ -134,10 +132,3 @@ def _look(position: NDArray, target: NDArray, roll: float) -> NDArray[np.float64
     T[:3, :3] = [c * right + s * down, c * down - s * right, forward]
     T[:3, 3] = -T[:3, :3] @ position
     return T
-
-
-def camera_matrix() -> NDArray[np.float64]:
-    """Return K in pixels, pixel centres at integers."""
-    w, h = SIZE
-    focal = w / 2 / np.tan(HFOV / 2)
-    return np.array([[focal, 0, (w - 1) / 2], [0, focal, (h - 1) / 2], [0, 0, 1]])

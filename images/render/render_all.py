@@ -8,6 +8,7 @@ One that reads another's picture says so with a line such as `AFTER = "peppers"`
 from __future__ import annotations
 
 import argparse
+import os
 import re
 import subprocess
 import sys
@@ -62,6 +63,7 @@ def main() -> int:
         done = subprocess.run(  # noqa: S603 - our own scripts
             [sys.executable, "-c", call, str(options.out.resolve())],
             cwd=HERE,
+            env=os.environ | {"PYTHONPATH": str(HERE.parents[1])},
             check=False,
             stdout=subprocess.DEVNULL,
         )

@@ -1,4 +1,4 @@
-"""Build the yard in Blender from `yard_world`, and photograph it from a pose."""
+"""Build the yard in Blender from `course_lib.yard.world`, and photograph it from a pose."""
 
 from __future__ import annotations
 
@@ -6,9 +6,11 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-import yard_world
-from flight_path import HFOV, SIZE
 from numpy.typing import NDArray
+
+from course_lib.yard import world as yard_world
+from course_lib.yard.lens import HFOV, SIZE
+from course_lib.yard.part import Part
 
 
 def _linear(colour: tuple[int, int, int]) -> tuple[float, float, float, float]:
@@ -18,7 +20,7 @@ def _linear(colour: tuple[int, int, int]) -> tuple[float, float, float, float]:
     return float(r), float(g), float(b), 1.0
 
 
-def _material(part: yard_world.Part, pictures: dict[str, bpy.types.Image]) -> bpy.types.Material:
+def _material(part: Part, pictures: dict[str, bpy.types.Image]) -> bpy.types.Material:
     key = part.texture or "flat {} {} {}".format(*part.colour)
     if key in bpy.data.materials:
         return bpy.data.materials[key]
@@ -47,7 +49,7 @@ def _picture(name: str, pixels: NDArray[np.uint8]) -> bpy.types.Image:
     return image
 
 
-def _object(part: yard_world.Part, pictures: dict[str, bpy.types.Image]) -> bpy.types.Object:
+def _object(part: Part, pictures: dict[str, bpy.types.Image]) -> bpy.types.Object:
     mesh = bpy.data.meshes.new(part.name)
     mesh.from_pydata(part.mesh.vertices.tolist(), [], part.mesh.faces.tolist())
     layer = mesh.uv_layers.new(name="uv")

@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 Picture = NDArray[np.uint8]
 
 
-def wrapped_noise(shape: tuple[int, int], sigma: float, rng: np.random.Generator) -> NDArray:
+def wrapped_noise(
+    shape: tuple[int, int], sigma: float, rng: np.random.Generator
+) -> NDArray[np.float64]:
     """Smooth noise on a torus, standard deviation 1.
 
     Parameters
@@ -31,18 +33,21 @@ def wrapped_noise(shape: tuple[int, int], sigma: float, rng: np.random.Generator
     fy = np.fft.fftfreq(shape[0])[:, None]
     fx = np.fft.rfftfreq(shape[1])[None, :]
     noise = np.fft.irfft2(spectrum * np.exp(-2 * (np.pi * sigma) ** 2 * (fx**2 + fy**2)), s=shape)
-    return noise / noise.std()
+    return np.asarray(noise / noise.std(), np.float64)
 
 
-def _shade(base: tuple[float, float, float], tone: NDArray) -> Picture:
+def _shade(base: tuple[float, float, float], tone: NDArray[np.float64]) -> Picture:
     """Multiply a BGR colour by a tone map (1 = unchanged)."""
-    return np.clip(np.array(base) * tone[..., None], 0, 255).astype(np.uint8)
+    shaded = np.clip(np.array(base) * tone[..., None], 0, 255)
+    return np.asarray(shaded, np.uint8)
 
 
-def _cells(shape: tuple[int, int], seeds: NDArray) -> tuple[NDArray, NDArray]:
+def _cells(
+    shape: tuple[int, int], seeds: NDArray[np.float64]
+) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
     """Voronoi cells on a torus: index of the nearest seed, and F2 - F1 (small at the joints)."""
     h, w = shape
-    y, x = np.mgrid[0:h, 0:w]
+    y, x = np.arange(h)[:, None], np.arange(w)
     nearest = np.full(shape, np.inf)
     second = np.full(shape, np.inf)
     index = np.zeros(shape, np.int32)
@@ -119,7 +124,7 @@ def brick(seed: int = 4) -> Picture:
 
 
 def grass(seed: int = 5) -> Picture:
-    """A lawn seen from above: patches of light and dark with short strokes."""
+    """Draw a lawn seen from above: patches of light and dark with short strokes."""
     rng = np.random.default_rng(seed)
     shape = (1024, 1024)
     tone = 1 + 0.09 * wrapped_noise(shape, 60, rng) + 0.06 * wrapped_noise(shape, 14, rng)
@@ -130,6 +135,8 @@ def grass(seed: int = 5) -> Picture:
         colour = (np.array((60, 152, 112)) * rng.uniform(0.78, 1.22)).tolist()
         for sx in (0, -1024):
             for sy in (0, 1024):
+                if x + sx < -20 or y + sy > 1044:
+                    continue  # out of the picture
                 start = (int(x + sx), int(y + sy))
                 end = (int(x + sx + dx), int(y + sy + dy))
                 cv2.line(picture, start, end, colour, 2, cv2.LINE_AA)
@@ -190,7 +197,7 @@ def plaster(seed: int = 9) -> Picture:
 
 
 def window(seed: int = 10) -> Picture:
-    """A window: white frame, four panes that mirror the sky, curtains."""
+    """Draw a window: white frame, four panes that mirror the sky, curtains."""
     rng = np.random.default_rng(seed)
     picture = np.empty((256, 224, 3), np.uint8)
     picture[:] = (232, 236, 238)
@@ -210,7 +217,7 @@ def window(seed: int = 10) -> Picture:
 
 
 def door(seed: int = 11) -> Picture:
-    """A green panelled door with a brass knob."""
+    """Draw a green panelled door with a brass knob."""
     rng = np.random.default_rng(seed)
     picture = _shade((92, 110, 46), 1 + 0.03 * wrapped_noise((384, 192), 3, rng))
     for x0 in (26, 106):

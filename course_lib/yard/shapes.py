@@ -7,11 +7,15 @@ between facets, so that every facet keeps its own corner of the texture and its 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple
+from functools import cache
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import ArrayLike, NDArray
 
 
 class Mesh(NamedTuple):
@@ -52,17 +56,20 @@ def join(meshes: Sequence[Mesh]) -> Mesh:
     )
 
 
-def moved(mesh: Mesh, offset: Sequence[float], turn: float = 0.0) -> Mesh:
-    """The mesh turned by ``turn`` degrees about z, then shifted by ``offset`` metres."""
+def moved(mesh: Mesh, offset: ArrayLike, turn: float = 0.0) -> Mesh:
+    """Turn a mesh by ``turn`` degrees about z, then shift it by ``offset`` metres."""
     c, s = np.cos(np.radians(turn)), np.sin(np.radians(turn))
     R = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
     return mesh._replace(vertices=(mesh.vertices @ R.T + offset).astype(np.float32))
 
 
-def quad(corners: ArrayLike, repeat: tuple[float, float] = (1, 1)) -> Mesh:
-    """One quad; its texture runs from the first corner (bottom left), ``repeat`` times."""
+def quad(
+    corners: Any,  # noqa: ANN401 (four points, as arrays or tuples)
+    repeat: tuple[float, float] = (1, 1),
+) -> Mesh:
+    """Make one quad; its texture runs from the first corner (bottom left), ``repeat`` times."""
     ru, rv = repeat
-    return polygons([corners], [[[0, 0], [ru, 0], [ru, rv], [0, rv]]])
+    return polygons([corners], np.array([[[0, 0], [ru, 0], [ru, rv], [0, rv]]]))
 
 
 def box(size: Sequence[float], tile: float = 1.0) -> Mesh:
@@ -83,7 +90,7 @@ def box(size: Sequence[float], tile: float = 1.0) -> Mesh:
 def rod(
     start: ArrayLike, end: ArrayLike, radii: tuple[float, float], sides: int = 8, tile: float = 1.0
 ) -> Mesh:
-    """Closed prism from ``start`` to ``end``, metres; ``radii`` at both ends; u runs along it."""
+    """Make a closed prism from ``start`` to ``end``, metres; ``radii`` at both ends, u along it."""
     start, end = np.asarray(start, float), np.asarray(end, float)
     axis = end - start
     length = float(np.linalg.norm(axis))
@@ -124,10 +131,18 @@ def ring(
     return join(meshes)
 
 
-def blob(radii: Sequence[float], rng: np.random.Generator, *, rough: float = 0.12) -> Mesh:
-    """Dented ball of 80 facets, centred at the origin: foliage, clouds, heads."""
+@cache
+def _ball() -> NDArray[np.float64]:
+    """Give the 80 facets of a once-cut icosahedron: corners (80, 3, 3) on the unit ball."""
     g = (1 + 5**0.5) / 2
-    points = [(-1, g, 0), (1, g, 0), (-1, -g, 0), (1, -g, 0), (0, -1, g), (0, 1, g)]
+    points: list[tuple[float, float, float]] = [
+        (-1, g, 0),
+        (1, g, 0),
+        (-1, -g, 0),
+        (1, -g, 0),
+        (0, -1, g),
+        (0, 1, g),
+    ]
     points += [(0, -1, -g), (0, 1, -g), (g, 0, -1), (g, 0, 1), (-g, 0, -1), (-g, 0, 1)]
     p = np.array(points, float)
     gaps = np.linalg.norm(p[:, None] - p[None], axis=2)
@@ -139,12 +154,17 @@ def blob(radii: Sequence[float], rng: np.random.Generator, *, rough: float = 0.1
                 if near[a, b] and near[b, c] and near[a, c]:
                     outward = np.dot(np.cross(p[b] - p[a], p[c] - p[a]), p[a]) > 0
                     triangles.append((a, b, c) if outward else (a, c, b))
-    corners = []
+    pieces = []
     for a, b, c in triangles:
         ab, bc, ca = (p[a] + p[b]) / 2, (p[b] + p[c]) / 2, (p[c] + p[a]) / 2
-        corners += [(p[a], ab, ca), (ab, p[b], bc), (ca, bc, p[c]), (ab, bc, ca)]
-    corners = np.array(corners)
-    corners = corners / np.linalg.norm(corners, axis=2, keepdims=True)
+        pieces += [(p[a], ab, ca), (ab, p[b], bc), (ca, bc, p[c]), (ab, bc, ca)]
+    corners = np.array(pieces)
+    return np.asarray(corners / np.linalg.norm(corners, axis=2, keepdims=True))
+
+
+def blob(radii: Sequence[float], rng: np.random.Generator, *, rough: float = 0.12) -> Mesh:
+    """Dented ball of 80 facets, centred at the origin: foliage, clouds, heads."""
+    corners = _ball()
     # A dent belongs to a direction, so that facets which share a corner keep sharing it.
     waves = rng.normal(0, 2.2, (5, 3))
     phase = rng.uniform(0, 2 * np.pi, 5)
@@ -154,7 +174,7 @@ def blob(radii: Sequence[float], rng: np.random.Generator, *, rough: float = 0.1
 
 
 def tuft(rng: np.random.Generator, *, blades: int = 9, height: float = 0.22) -> Mesh:
-    """A tuft of grass: bent blades, each visible from both sides."""
+    """Make a tuft of grass: bent blades, each visible from both sides."""
     corners = []
     for _ in range(blades):
         angle, lean = rng.uniform(0, 2 * np.pi), rng.uniform(0.05, 0.14)

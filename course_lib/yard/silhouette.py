@@ -5,9 +5,13 @@ Truth must not come from the picture it is meant to judge.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import cv2
 import numpy as np
-from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 NEAR = 0.05
 FRACTION_BITS = 6
@@ -53,15 +57,15 @@ def silhouette(
     # The whole silhouette is measured on a canvas of three by three frames, ours in the middle.
     canvas = np.zeros((3 * height, 3 * width), np.uint8)
     local = triangles @ T_camera_from_world[:3, :3].T + T_camera_from_world[:3, 3]
-    for triangle in local:
-        corners = _clipped(triangle)
-        if len(corners) < 3:
-            continue
+    ahead = (local[:, :, 2] > NEAR).all(axis=1)
+    pieces = [_clipped(triangle) for triangle in local[~ahead]]
+    polygons = [local[ahead], *(piece[None] for piece in pieces if len(piece) >= 3)]
+    for corners in polygons:
         pixels = corners @ K.T
-        xy = pixels[:, :2] / pixels[:, 2:] + (width, height)
+        xy = pixels[..., :2] / pixels[..., 2:] + (width, height)
         xy = np.clip(xy, -4 * width, 8 * width)
-        fixed = np.rint(xy * 2**FRACTION_BITS).astype(np.int32)
-        cv2.fillConvexPoly(canvas, fixed, 255, cv2.LINE_8, FRACTION_BITS)
+        for fixed in np.rint(xy * 2**FRACTION_BITS).astype(np.int32):
+            cv2.fillConvexPoly(canvas, fixed, 255, cv2.LINE_8, FRACTION_BITS)
     frame = np.ascontiguousarray(canvas[height : 2 * height, width : 2 * width])
     whole = np.count_nonzero(canvas)
     visible = np.count_nonzero(frame) / whole if whole else 0.0
