@@ -25,6 +25,7 @@ _CONTENTS = (
     ("exercises", "README.md"),
     # The node that Example 4.5 runs: an example, no solution.
     ("solutions/unit4/src", "example4_5.py"),
+    ("solutions/unit4/launch", "example4_5.launch"),
     (".ci", "environment"),
     (".ci", "lab"),
     (".", "LICENSE"),

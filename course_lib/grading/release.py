@@ -23,8 +23,9 @@ __all__ = ["ReleaseError", "Released", "add_arguments", "drift", "main", "releas
 ROOT = Path(__file__).resolve().parents[2]
 NOTEBOOKS = "exercise_*.ipynb"
 PACKAGE = "unit4"
-# The node of Example 4.5 lies with the solutions, but it is no exercise.
-_EXAMPLE = "example"
+# The node of Example 4.5 lies with the solutions, but it is no exercise; Exercise 4.1 is asked for
+# as a notebook, and its script is the answer.
+_STAYS = ("example", "exercise4_1")
 _JUNK = {"__pycache__", ".ipynb_checkpoints"}
 # The template in the package is what the notebook cuts out: the student's to make.
 _MADE = {".png"}
@@ -66,7 +67,7 @@ def release(solutions: Path) -> dict[str, Released]:
         raise FileNotFoundError(f"there is no {NOTEBOOKS} in {solutions}")
     files = {path.name: Released(_notebook(path)) for path in notebooks}
     for path in sorted((solutions / PACKAGE).rglob("*")):
-        is_junk = _JUNK.intersection(path.parts) or path.name.startswith((_EXAMPLE, "."))
+        is_junk = _JUNK.intersection(path.parts) or path.name.startswith((*_STAYS, "."))
         if path.is_file() and not is_junk and path.suffix not in _MADE:
             name = path.relative_to(solutions).as_posix()
             text = without_solutions(path.read_text(encoding="utf-8"), name)

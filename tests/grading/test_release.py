@@ -32,6 +32,7 @@ SECRET_PLACES = [
     "images/notes.md",
     "notebooks/.ipynb_checkpoints/4_1_fast.ipynb",
     "solutions/unit4/src/exercise4_2_9.py",
+    "solutions/unit4/launch/exercise4_9.launch",
     "grades/anna/report.html",
     "secret.seed",
 ]
@@ -324,3 +325,16 @@ def test_bundle_command_makes_the_zip(tmp_path: Path, capsys: pytest.CaptureFixt
     assert "files for students" in capsys.readouterr().out
     assert run("--check", "--bundle", str(tmp_path / "nowhere" / "course.zip")) == 2
     assert "error:" in capsys.readouterr().err
+
+
+def test_exercise_4_1_as_a_script_is_for_instructors_only(
+    released: dict[str, release.Released], inside: list[tuple[str, bytes]]
+) -> None:
+    """Students write it as a notebook; the script and its launch file are the answer."""
+    assert not [name for name in released if "exercise4_1." in name]
+    assert not [name for name, _ in inside if "exercise4_1." in name]
+    script = (ROOT / "solutions" / "unit4" / "src" / "exercise4_1.py").read_bytes()
+    body = script.partition(b"def locate(")[2].partition(b"def run(")[0]
+    assert body.count(b"\n") > 10
+    assert where(inside, body) == []
+    assert [name for name, _ in inside if name.endswith("launch/example4_5.launch")]
