@@ -26,6 +26,7 @@ _CONTENTS = (
     # The node that Example 4.5 runs: an example, no solution.
     ("solutions/unit4/src", "example4_5.py"),
     ("solutions/unit4/launch", "example4_5.launch"),
+    ("solutions/unit4_ros2", "example4_5.py"),
     (".ci", "environment"),
     (".ci", "lab"),
     (".", "LICENSE"),

@@ -266,8 +266,8 @@ assert course_lib.__file__.startswith(sys.argv[1]), course_lib.__file__
 names = [m.name for m in pkgutil.walk_packages(course_lib.__path__, "course_lib.")]
 assert not [name for name in names if "grading" in name or "scenes" in name]
 for name in names:
-    # The stand-ins for ROS modules are imported by nodes, and __main__ files run.
-    if "offline_ros.modules" not in name and not name.endswith("__main__"):
+    # The stand-ins for ROS modules are imported by nodes, the player by real ROS; __main__ runs.
+    if "offline_ros.modules" not in name and not name.endswith(("__main__", "real_ros.player")):
         importlib.import_module(name)
 import argparse
 from pathlib import Path

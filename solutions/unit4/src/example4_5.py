@@ -103,7 +103,7 @@ class ObjectNode:
         """Look for the object in one frame and publish what was found."""
         try:
             frame = self.bridge.imgmsg_to_cv2(message, "bgr8")
-        except CvBridgeError as error:
+        except (CvBridgeError, TypeError, ValueError) as error:  # cut short, or no picture at all
             rospy.logerr("frame left out: %s", error)
             return
         corners, inliers = self.finder.find(frame)
