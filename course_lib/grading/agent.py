@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import stat
 import traceback
+from contextlib import chdir
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 
 REQUEST, REPLY = "course_request", "course_reply"
 _MOST_FILES = 200
-_MOST_FILE_BYTES = 8 * 2**20
+_MOST_FILE_BYTES, _MOST_FILES_BYTES = 8 * 2**20, 24 * 2**20
 _MOST_MESSAGE = 2000
 
 
@@ -42,12 +43,20 @@ def install(app: IPKernelApp) -> None:
 class _Agent:
     def __init__(self, kernel: Any) -> None:  # noqa: ANN401
         self._kernel = kernel
+        self._home = Path.cwd()  # a notebook may change it
         self._operations: dict[str, Callable[..., object]] = {
             "call": self._call,
             "names": self._names,
-            "files": _files,
-            "run_node": _run_node,
+            "files": self._at_home(_files),
+            "run_node": self._at_home(_run_node),
         }
+
+    def _at_home(self, operation: Callable[..., object]) -> Callable[..., object]:
+        def at_home(**arguments: object) -> object:
+            with chdir(self._home):
+                return operation(**arguments)
+
+        return at_home
 
     def answer(self, stream: Any, identity: Any, message: Mapping[str, Any]) -> None:  # noqa: ANN401
         """Do what a request asks and send what came of it."""
@@ -103,11 +112,13 @@ def _describe(error: BaseException) -> dict[str, object]:
 def _files(folder: str) -> dict[str, tuple[bytes, bool]]:
     """Give the regular files below a folder, and whether they may be executed."""
     found: dict[str, tuple[bytes, bool]] = {}
+    left = _MOST_FILES_BYTES  # a recording in the package must not keep all else from being read
     for path in sorted(Path(folder).rglob("*")):
         status = path.lstat()
-        if stat.S_ISREG(status.st_mode) and status.st_size <= _MOST_FILE_BYTES:
+        if stat.S_ISREG(status.st_mode) and status.st_size <= min(left, _MOST_FILE_BYTES):
             name = path.relative_to(folder).as_posix()
             found[name] = (path.read_bytes(), bool(status.st_mode & stat.S_IXUSR))
+            left -= status.st_size
         if len(found) >= _MOST_FILES:
             break
     return found
@@ -119,6 +130,7 @@ def _run_node(
     frames: list[bytes],
     topic: str,
     params: dict[str, object],
+    remap: dict[str, str],
     files: dict[str, bytes],
     timeout: float,
 ) -> dict[str, object]:
@@ -127,4 +139,4 @@ def _run_node(
         target = Path(name)
         target.parent.mkdir(parents=True, exist_ok=True)
         target.write_bytes(data)
-    return node_run.run(path, stamps, frames, topic, params, timeout)
+    return node_run.run(path, stamps, frames, topic, params, remap, timeout)

@@ -10,18 +10,23 @@ import numpy as np
 from course_lib.grading.student import Student, StudentError
 
 if TYPE_CHECKING:
+    from collections.abc import Hashable
+
     from numpy.typing import NDArray
 
     from course_lib._validate import Image
 
-    Key = tuple[int, int]
+    Key = tuple[Hashable, ...]
 
-# Scenes made from a seed are shared and stay, so a picture's identity stands for the picture.
-_KEPT: WeakKeyDictionary[Student, dict[Key, tuple[Image, Image, object]]] = WeakKeyDictionary()
+# Scenes made from a seed are shared and stay, so a picture's identity stands for the picture; what
+# was asked is kept beside the answer, so that no other picture gets its identity.
+_KEPT: WeakKeyDictionary[Student, dict[Key, tuple[tuple[object, ...], object]]] = (
+    WeakKeyDictionary()
+)
 
 
 class Answers:
-    """Asks one submission where the mug is.
+    """Asks one submission where the mug or the waterhole is.
 
     Parameters
     ----------
@@ -47,17 +52,54 @@ class Answers:
         StudentError
             What went wrong in the submission.
         """
-        key = (id(mug), id(scene))
+        answer = self.ask("locate_mug", mug, scene)
+        self._given.append(answer)
+        return answer
+
+    def locate_waterhole(self, template: Image, frame: Image, match_count: int) -> object:
+        """Return what the submission returns, or raise what it raised, asking once.
+
+        Parameters
+        ----------
+        template, frame : ndarray of uint8
+            BGR.
+        match_count : int
+
+        Raises
+        ------
+        StudentError
+            What went wrong in the submission.
+        """
+        answer = self.ask("locate_waterhole", template, frame, match_count)
+        self._given.append(answer)
+        return answer
+
+    def ask(self, function: str, *arguments: object) -> object:
+        """Call one of the submission's functions, or give what it gave for the same arguments.
+
+        Parameters
+        ----------
+        function : str
+            Its name.
+        *arguments : ndarray, int
+            The same picture means the same object.
+
+        Raises
+        ------
+        StudentError
+            What went wrong in the submission.
+        """
+        key = (function, *(each if isinstance(each, int) else id(each) for each in arguments))
         if key not in self._kept:
+            answer: object
             try:
-                answer = self._student.locate_mug(mug, scene)
+                answer = self._student.call(function, *arguments)
             except StudentError as error:
                 answer = error
-            self._kept[key] = (mug, scene, answer)
-        answer = self._kept[key][2]
+            self._kept[key] = (arguments, answer)
+        answer = self._kept[key][1]
         if isinstance(answer, StudentError):
             raise answer
-        self._given.append(answer)
         return answer
 
     def quietly(self, mug: Image, scene: Image) -> object:

@@ -81,7 +81,7 @@ def sightings(picture: Image, wanted: Image, most: int = 2) -> list[Sighting]:
         left, top = round(x / shrink), round(y / shrink)
         right, bottom = round((x + width) / shrink), round((y + height) / shrink)
         box = (left, top, min(right, picture.shape[1]), min(bottom, picture.shape[0]))
-        found.append(Sighting(box, likeness, _drawn_on(picture, box, wanted)))
+        found.append(Sighting(box, likeness, drawn_share(picture, box, wanted)))
         small[y : y + height, x : x + width] = 255
     return found
 
@@ -107,7 +107,23 @@ def _grey(picture: Image, scale: float) -> Image:
     return np.asarray(cv2.resize(grey, size, interpolation=cv2.INTER_AREA), np.uint8)
 
 
-def _drawn_on(picture: Image, box: tuple[int, int, int, int], wanted: Image) -> float:
+def drawn_share(picture: Image, box: tuple[int, int, int, int], wanted: Image) -> float:
+    """Return the share of pixels that something was drawn on.
+
+    Parameters
+    ----------
+    picture : ndarray of uint8, shape (height, width, 3)
+        What was drawn.
+    box : (left, top, right, bottom)
+        Where it shows another picture.
+    wanted : ndarray of uint8, shape (height, width, 3)
+        That picture, in any size.
+
+    Returns
+    -------
+    float
+        From 0 to 1.
+    """
     left, top, right, bottom = box
     part = picture[top:bottom, left:right]
     if part.size == 0:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from functools import reduce
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
@@ -32,9 +33,12 @@ def run(
     frames: list[bytes],
     topic: str,
     params: dict[str, Any],
+    remap: dict[str, str],
     timeout: float,
 ) -> dict[str, object]:
     """Run a node on pictures, as plain data.
+
+    An exception in a callback is logged and costs its picture only, as on a robot.
 
     Parameters
     ----------
@@ -47,7 +51,10 @@ def run(
     topic : str
         Where they are published, raw.
     params : dict
-        The node's private parameters.
+        The node's private parameters. Where a text holds `$(find unit4)` or `$(env HOME)`, the
+        package's folder or the working folder is meant.
+    remap : dict of str to str
+        Names to use in place of others.
     timeout : float
         Seconds.
 
@@ -64,7 +71,15 @@ def run(
         _write_bag(bag, stamps, frames, topic)
         recording: Recording | None
         try:
-            recording = run_node(path, bag=bag, params=params, timeout=timeout, stall=timeout)
+            recording = run_node(
+                path,
+                bag=bag,
+                params=_with_folders(params),
+                remap=remap,
+                timeout=timeout,
+                stall=timeout,
+                keep_going=True,
+            )
         except NodeError as failure:
             recording, error = failure.recording, f"{failure}\n{failure.traceback}"
         except (OfflineRosError, OSError, ValueError) as failure:
@@ -76,6 +91,17 @@ def run(
         "files": _saved(started),
         "error": error and error[-_MOST_LOG:],
         "log": recording.output[-_MOST_LOG:] if recording else "",
+    }
+
+
+def _with_folders(params: dict[str, Any]) -> dict[str, Any]:
+    here = str(Path.cwd())
+    folders = {"$(find unit4)": f"{here}/unit4", "$(env HOME)": here}
+    return {
+        name: reduce(lambda text, item: text.replace(*item), folders.items(), value)
+        if isinstance(value, str)
+        else value
+        for name, value in params.items()
     }
 
 

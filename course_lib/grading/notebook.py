@@ -203,12 +203,30 @@ def picture_from(encoded: str) -> list[NDArray[np.uint8]]:
     if len(encoded) > _MOST_BASE64:
         return []
     try:
-        data = base64.b64decode(encoded)
-        with Image.open(io.BytesIO(data), formats=("PNG", "JPEG")) as picture:
+        return picture_in(base64.b64decode(encoded))
+    except (ValueError, binascii.Error):
+        return []
+
+
+def picture_in(data: bytes) -> list[NDArray[np.uint8]]:
+    """Decode a picture file that a stranger made: one, or none if it is no ordinary picture.
+
+    Parameters
+    ----------
+    data : bytes
+        A PNG, JPEG or BMP file.
+
+    Returns
+    -------
+    list of ndarray
+        BGR uint8, at most one.
+    """
+    try:
+        with Image.open(io.BytesIO(data), formats=("PNG", "JPEG", "BMP")) as picture:
             if picture.width * picture.height > _MOST_PIXELS:
                 return []
             rgb = np.asarray(picture.convert("RGBA").convert("RGB"), np.uint8)
-    except (OSError, ValueError, SyntaxError, binascii.Error, UnidentifiedImageError):
+    except (OSError, ValueError, SyntaxError, UnidentifiedImageError):
         return []
     except Image.DecompressionBombError:
         return []

@@ -199,6 +199,7 @@ class Student:
         *,
         topic: str = "/camera/rgb/image_raw",
         params: Mapping[str, object] | None = None,
+        remap: Mapping[str, str] | None = None,
         files: Mapping[str, bytes] | None = None,
         timeout: float = _NODE_SECONDS,
     ) -> NodeRun:
@@ -213,7 +214,10 @@ class Student:
         topic : str, optional
             Where they are published.
         params : mapping, optional
-            Private parameters.
+            Private parameters; `$(find unit4)` in a text stands for the package's folder, and
+            `$(env HOME)` for the working folder.
+        remap : mapping of str to str, optional
+            Names to use in place of others, as on a node's command line.
         files : mapping of str to bytes, optional
             Files to put in the working folder first.
         timeout : float, optional
@@ -234,6 +238,7 @@ class Student:
             "frames": [cv2.imencode(".jpg", frame, _JPEG)[1].tobytes() for _, frame in frames],
             "topic": topic,
             "params": dict(params or {}),
+            "remap": dict(remap or {}),
             "files": dict(files or {}),
             "timeout": timeout,
         }

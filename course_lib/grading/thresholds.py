@@ -74,6 +74,14 @@ MUG = Tolerance(12.0, 48.0)
 MUG_COVERED = Tolerance(24.0, 72.0)
 # 1 - overlap.
 WELL = Tolerance(0.5, 0.8)
+# Of the mean credit over the frames of a flight: half of the frames may fail before points go.
+WELL_ENOUGH = 0.6
+# Of the credit that the best candidate would have reached on the same frames.
+COUNT_LOSS = Tolerance(0.3, 0.6)
+# Shares from which points begin and are full. A crop is good when it is well for the most part,
+# even of its middle alone, or holds the whole well and not too much else.
+CROP_FILLED, CROP_COVERED = (0.4, 0.75), (0.1, 0.25)
+CROP_WHOLE, CROP_CLOSE = (0.5, 0.9), (0.2, 0.4)
 # Pixels. On the exercise's own shelf the print is bent round the mug, and no homography fits it:
 # ORB's best 100 or 150, RANSAC or MAGSAC, are 13 to 17 off, SIFT 14 to 16, ORB with a ratio test 21
 # to 34, AKAZE 13 to 42 where it has ten inliers. What is wrong is 200 and more off.
