@@ -20,6 +20,7 @@ from course_lib.offline_ros.names import parse_value, split_arguments
 PACKAGE_FOLDER, HOME_FOLDER = "$(find unit4)", "$(env HOME)"
 _MOST_BYTES = 200_000
 _MOST_DEPTH = 20
+_MOST_TEXT = 2000  # of a value: arguments made of arguments could double at every step
 _SUBSTITUTION = re.compile(r"\$\((\w+)([^()]*)\)")
 
 
@@ -205,9 +206,15 @@ class _Reader:
     def _text(self, text: str, scope: _Scope, otherwise: Any = None) -> Any:  # noqa: ANN401
         """Put in what a text's substitutions stand for; what is not known makes it `otherwise`."""
         try:
-            return _SUBSTITUTION.sub(lambda match: self._value(match, scope), text)
+            whole, end = "", 0
+            for match in _SUBSTITUTION.finditer(text):
+                whole += text[end : match.start()] + self._value(match, scope)
+                end = match.end()
+                if len(whole) > _MOST_TEXT:
+                    return otherwise
         except _UnknownError:
             return otherwise
+        return whole + text[end:]
 
     def _value(self, match: re.Match[str], scope: _Scope) -> str:
         kind, words = match[1], match[2].split()

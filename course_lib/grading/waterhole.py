@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from functools import cache
 from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
@@ -15,7 +16,7 @@ from course_lib.grading.crops import Crop, find_crop, judge_crop
 from course_lib.grading.geometry import diagnose, expected_outline, well_credit
 from course_lib.grading.student import Student, StudentError
 from course_lib.grading.thresholds import WELL_ENOUGH
-from course_lib.scenes import flight
+from course_lib.scenes import HeldOutFrame, flight
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
     from course_lib._validate import Image
     from course_lib.grading.rubric import Grade
     from course_lib.grading.seeds import Seeds
-    from course_lib.scenes import HeldOutFrame
 
     Rect = tuple[int, int, int, int]
 
@@ -36,6 +36,7 @@ FINDS = 0.4  # of the credit: who finds less says nothing by saying "not there"
 OTHER_TEMPLATE = (
     "Your crop could not serve as the template, so the waterhole of Example 4.5 was used."
 )
+_LEAST_SIDE = 24  # pixels
 _CROPS: WeakKeyDictionary[Student, tuple[Crop, Image]] = WeakKeyDictionary()
 
 
@@ -93,6 +94,24 @@ class Waterhole:
             _CROPS[self.student] = crop, np.asarray(found) if own else _published()[0]
         return _CROPS[self.student]
 
+    @property
+    def drawn_on(self) -> Image:
+        """What the student's pictures may show: the crop, be it a good one or not."""
+        try:
+            found = self.answers.ask("crop_waterhole", _there()[0])
+        except StudentError:
+            return self.template
+        if not isinstance(found, np.ndarray) or found.dtype != np.uint8 or found.ndim != 3:
+            return self.template
+        fits = found.shape[2] == 3 and min(found.shape[:2]) >= _LEAST_SIDE
+        return found if fits and found.shape != _there()[0].shape else self.template
+
+    @property
+    def home(self) -> HeldOutFrame:
+        """The frame that templates are cut from; there, it is known exactly what is right."""
+        frame, silhouette = _there()
+        return HeldOutFrame(frame, 0, silhouette.astype(np.float32), 1.0, whole=True)
+
     def rect_of(self, template: Image) -> Rect | None:
         """Return where a template was cut from the published frame, None if it was not."""
         return find_crop(template, _there()[0])
@@ -135,6 +154,8 @@ def judge(
     find: Callable[[HeldOutFrame], object],
     expected: Callable[[HeldOutFrame], NDArray[np.float64] | None],
     size: Iterable[int],
+    *,
+    home: HeldOutFrame,
     out_of: float = 1.0,
 ) -> None:
     """Give credit for outlines in frames that show the well; not every one need be right.
@@ -149,6 +170,9 @@ def judge(
         Gives what is right.
     size : (height, width, …)
         The template's shape.
+    home : HeldOutFrame
+        The frame that the template was cut from. A mistake is told there, where the well's being
+        no plane does not blur it.
     out_of : float, optional
         The weight of it all.
     """
@@ -163,13 +187,21 @@ def judge(
         fraction = well_credit(found, right)
         reached += fraction
         if fraction < 1:
-            said = diagnose(found, right, tuple(size), frame.image.shape, thing="waterhole")
-            messages += [said] if said else []
+            messages += _said(found, right, size, frame)
     fraction = min(1.0, reached / len(frames) / WELL_ENOUGH)
     grade.add(fraction, out_of=out_of)
     if fraction < 1:
+        with suppress(StudentError):
+            messages = _said(find(home), expected(home), size, home) or messages
         for message in messages:
             grade.note(message)
+
+
+def _said(
+    found: object, right: NDArray[np.float64] | None, size: Iterable[int], frame: HeldOutFrame
+) -> list[str]:
+    said = diagnose(found, right, tuple(size), frame.image.shape, thing="waterhole")
+    return [said] if said else []
 
 
 @cache

@@ -117,7 +117,11 @@ MISTAKES = {
         NUMBERS - {"4.2.5"},
     ),
     "no plot": (
-        [in_notebook("plt.plot(counts, found)", "plt.close()")],
+        [
+            in_notebook(
+                'plt.plot(counts, found); plt.xlabel("matches"); plt.ylabel("frames")', "pass"
+            )
+        ],
         {"4.2.6"},
         "as a plot",
         NUMBERS - {"4.2.6"},

@@ -18,7 +18,7 @@ ENDS = (3, 4, 1000)
 def test_unseen_flight(student, grade, seeds):
     """With the student's own crop as the template. Not every frame need be right."""
     hole = Waterhole(student, seeds)
-    judge(grade, hole.judged, hole.locate, hole.expected, hole.template.shape)
+    judge(grade, hole.judged, hole.locate, hole.expected, hole.template.shape, home=hole.home)
     if not hole.crop.usable:
         grade.note(OTHER_TEMPLATE)
     for frame in hole.judged[::3]:

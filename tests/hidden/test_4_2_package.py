@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from course_lib.grading.drawn import drawn_share
@@ -47,6 +49,8 @@ def test_second_node(student, grade, seeds):
     """On a flight it has not seen: the corners, none without a waterhole, the outlined picture."""
     hole, package = Waterhole(student, seeds), Package(student)
     frames = sorted([*hole.judged, *hole.absent], key=lambda frame: frame.stamp_ns)
+    home = replace(hole.home, stamp_ns=frames[-1].stamp_ns + FRAME_NS)
+    frames.append(home)
     run = _run(
         grade, package, SECOND, [(frame.stamp_ns, frame.image) for frame in frames], _has_corners
     )
@@ -59,6 +63,7 @@ def test_second_node(student, grade, seeds):
         lambda frame: published.get(frame.stamp_ns),
         lambda frame: hole.expected(frame, rect),
         template.shape,
+        home=home,
         out_of=1.5,
     )
     finds = grade.fraction >= FINDS

@@ -26,7 +26,7 @@ WANTED = (
 @points(0.5, "4.2.6", "Three pictures: keypoints, the outlined waterhole, the plot")
 def test_three_pictures(student, grade, seeds):
     """Found among what the notebook drew, whatever its size and style."""
-    template = Waterhole(student, seeds).template
+    template = Waterhole(student, seeds).drawn_on
     fits = []
     for picture in student.pictures[::-1][:MOST]:
         fits += _could_be(picture, template)

@@ -1,0 +1,113 @@
+"""Launch files of strangers: read as roslaunch would, and nothing in them is run."""
+
+from __future__ import annotations
+
+import pytest
+
+from course_lib.grading.launch_file import LaunchError, read_launch
+
+
+def only(text: str, **options: str):
+    nodes = read_launch(f"<launch>{text}</launch>".encode(), **options)
+    assert len(nodes) == 1
+    return nodes[0]
+
+
+NODE = '<node pkg="unit4" type="a.py" name="a">{}</node>'
+
+
+def test_params_take_the_arguments_defaults_and_roslaunchs_types():
+    node = only(
+        '<arg name="count" default="58"/><arg name="file" value="$(find unit4)/w.png"/>'
+        + NODE.format(
+            '<param name="n" value="$(arg count)"/><param name="file" value="$(arg file)"/>'
+            '<param name="ratio" value="0.75"/><param name="show" value="False"/>'
+            '<param name="word" type="str" value="12"/><param name="out" value="$(env HOME)/x"/>'
+            "<rosparam>{deep: [1, 2]}</rosparam>"
+        )
+    )
+    assert node.params == {
+        "n": 58,
+        "file": "$(find unit4)/w.png",
+        "ratio": 0.75,
+        "show": False,
+        "word": "12",
+        "out": "$(env HOME)/x",
+        "deep": [1, 2],
+    }
+
+
+def test_remaps_params_and_namespaces_hold_within_their_group():
+    text = (
+        '<remap from="image" to="/camera/rgb/image_raw"/><param name="~all" value="1"/>'
+        '<param name="a/own" value="2"/><param name="b/other" value="3"/>'
+        '<group ns="waterhole"><remap from="out" to="image"/>' + NODE.format("") + "</group>"
+        '<node pkg="p" type="b.py" name="b" ns="/else" args="_n:=4 -v in:=out"/>'
+    )
+    first, second = read_launch(f"<launch>{text}</launch>".encode())
+    assert first.remaps == {
+        "image": "/camera/rgb/image_raw",
+        "out": "image",
+        "__ns": "waterhole",
+        "__name": "a",
+    }
+    assert first.params == {"all": 1, "own": 2}
+    assert second.params == {"all": 1, "other": 3, "n": 4}
+    assert second.remaps == {
+        "image": "/camera/rgb/image_raw",
+        "in": "out",
+        "__ns": "else",
+        "__name": "b",
+    }
+
+
+def test_conditions_decide():
+    text = '<arg name="on" default="false"/>' + NODE.replace("<node", '<node {}="$(arg on)"')
+    assert read_launch(f"<launch>{text.format('if', '')}</launch>".encode()) == []
+    assert only(text.format("unless", "")).type == "a.py"
+
+
+@pytest.mark.parametrize(
+    "value",
+    ["$(arg missing)", "$(env SECRET)", "$(eval 1 + 1)", "$(find other)/x", "$(arg required)"],
+)
+def test_what_is_not_known_here_leaves_out_its_parameter(value):
+    node = only('<arg name="required"/>' + NODE.format(f'<param name="p" value="{value}"/>'))
+    assert node.params == {}
+
+
+def test_a_package_of_another_name_is_found_under_it():
+    param = NODE.format('<param name="p" value="$(find mine)/x"/>')
+    assert only(param, package="mine").params == {"p": "$(find unit4)/x"}
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        (b"<launch>", "not well-formed"),
+        (b"<lunch/>", "should begin with <launch>"),
+        (b"\xff\xfe<\x00", "UTF-8"),
+        (b"<!DOCTYPE launch [<!ENTITY a 'aaa'>]><launch>&a;</launch>", "entities"),
+        (
+            b'<?xml version="1.0"?>\n<!DOCTYPE l SYSTEM "file:///etc/passwd"><launch/>',
+            "ent",
+        ),
+        (b"<launch>" + b"<group>" * 5000 + b"</group>" * 5000 + b"</launch>", "nested too deeply"),
+        (b"<launch>" + b" " * 1_000_000 + b"</launch>", "too large"),
+    ],
+    ids=["cut", "root", "encoding", "entity", "external", "deep", "large"],
+)
+def test_what_is_no_launch_file_is_said(data, said):
+    with pytest.raises(LaunchError, match=said):
+        read_launch(data)
+
+
+def test_an_argument_that_repeats_itself_does_not_grow():
+    args = (
+        '<arg name="a0" default="'
+        + "x" * 100
+        + '"/>'
+        + "".join(f'<arg name="a{n + 1}" default="{f"$(arg a{n})" * 10}"/>' for n in range(9))
+    )
+    node = only(args + NODE.format('<param name="p" value="$(arg a9)"/>'))
+    assert node.params == {}
