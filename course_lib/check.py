@@ -66,6 +66,8 @@ def when_done() -> Iterator[None]:
     """
     Run the block below, or say kindly what is not written yet.
 
+    That may be a part of the notebook, or of a ROS node that the block runs.
+
     Examples
     --------
     >>> with when_done():
@@ -75,8 +77,18 @@ def when_done() -> Iterator[None]:
     try:
         yield
     except NotImplementedError as error:
-        what = str(error).strip().rstrip(".") or "a part of this is not written"
-        print(f"Not yet: {what}.")  # noqa: T201
+        _say_not_yet(str(error))
+    except Exception as error:
+        # offline_ros.NodeError has the traceback of the node, which ran in another process.
+        kind, _, hint = getattr(error, "traceback", "").strip().rpartition("\n")[2].partition(":")
+        if kind != NotImplementedError.__name__:
+            raise
+        _say_not_yet(hint)
+
+
+def _say_not_yet(hint: str) -> None:
+    what = hint.strip().rstrip(".") or "a part of this is not written"
+    print(f"Not yet: {what}.")  # noqa: T201
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

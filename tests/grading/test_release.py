@@ -9,6 +9,7 @@ import json
 import shutil
 import subprocess
 import sys
+import xml.etree.ElementTree as ET
 import zipfile
 from pathlib import Path
 
@@ -204,6 +205,13 @@ def test_bundle_holds_what_a_student_needs(bundle: Path) -> None:
         ".ci/environment",
         ".ci/lab",
         "exercises/exercise_4_1.ipynb",
+        "exercises/exercise_4_2.ipynb",
+        "exercises/unit4/package.xml",
+        "exercises/unit4/CMakeLists.txt",
+        "exercises/unit4/src/exercise4_2_1.py",
+        "exercises/unit4/src/exercise4_2_2.py",
+        "exercises/unit4/launch/exercise4_2_1.launch",
+        "exercises/unit4/launch/exercise4_2_2.launch",
         "exercises/README.md",
         "notebooks/index.ipynb",
         "images/ROS.png",
@@ -241,7 +249,32 @@ def test_bundle_holds_no_solution(inside: list[tuple[str, bytes]]) -> None:
             # What looks like the solution's own lines must not stand in the exercises either.
             for line in {line.strip() for line in region.split("\n") if len(line.strip()) > 40}:
                 assert line not in code, line
-    assert count >= 8
+    assert count >= 27
+
+
+def test_nodes_in_the_bundle_may_be_executed_and_the_template_is_the_students(bundle: Path) -> None:
+    infos = zipfile.ZipFile(bundle).infolist()
+    nodes = [info for info in infos if "/unit4/src/" in info.filename]
+    assert len(nodes) >= 3  # the example's, and two of the exercise
+    assert all(info.external_attr >> 16 & 0o111 for info in nodes)
+    assert not [info.filename for info in infos if "waterhole.png" in info.filename]
+
+
+def test_stubs_of_the_package_are_still_what_they_should_be(
+    released: dict[str, release.Released],
+) -> None:
+    package = {name: file for name, file in released.items() if name.startswith("unit4/")}
+    assert len(package) >= 6
+    for name, file in package.items():
+        text = file.data.decode()
+        if name.endswith((".launch", ".xml")):
+            ET.fromstring(text)  # noqa: S314 (our own file)
+            assert "<!-- Your part: " in text, name
+        elif name.endswith(".py"):
+            assert "raise NotImplementedError(" in text, name
+            assert file.executable, name
+        else:
+            assert "# Your part: " in text, name
 
 
 def test_bundle_holds_no_piece_of_a_held_out_file(inside: list[tuple[str, bytes]]) -> None:
@@ -292,11 +325,12 @@ def test_unpacked_bundle_runs_and_says_not_yet(bundle: Path, tmp_path: Path) -> 
     )
     assert ran.returncode == 1, ran.stderr
     tables = json.loads(ran.stdout)
-    assert [table["exercise"] for table in tables] == ["4.1", "4.2"][: len(tables)]
+    assert [table["exercise"] for table in tables] == ["4.1", "4.2"]
     rows = [row for table in tables for row in table["rows"]]
     assert {row["verdict"] for row in rows if "/" not in row["function"]} == {"not yet"}
     # A file of the package may be given whole.
     assert [row for row in rows if row["verdict"] == "not right"] == []
+    assert len([row for row in rows if row["function"].startswith("unit4/")]) == 6
     assert all(row["help"] for row in rows if row["verdict"] == "not yet")
 
 
@@ -313,9 +347,15 @@ def test_unfinished_notebook_runs_to_its_end_without_an_error(bundle: Path, tmp_
         check=False,
     )
     assert ran.returncode == 0, ran.stdout + ran.stderr
-    text = (folder / "exercises/exercise_4_1.ipynb").read_text(encoding="utf-8")
-    assert "Not yet: step 1" in text
-    assert "Traceback" not in text
+    for name in ("exercise_4_1.ipynb", "exercise_4_2.ipynb"):
+        text = (folder / "exercises" / name).read_text(encoding="utf-8")
+        assert "Not yet: step 1" in text
+        assert "Traceback" not in text
+    # Nothing was written into the package that is not the student's.
+    for path in (ROOT / "exercises" / "unit4").rglob("*.*"):
+        if path.suffix in {".py", ".launch", ".xml", ".txt"}:
+            unpacked = folder / path.relative_to(ROOT)
+            assert unpacked.read_bytes() == path.read_bytes(), path
 
 
 def test_bundle_command_makes_the_zip(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

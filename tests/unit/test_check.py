@@ -16,6 +16,7 @@ from nbformat.v4 import new_code_cell
 from course_lib import check
 from course_lib.checks.table import Row, Table, Verdict
 from course_lib.checks.work import NotYetError, Work, WrongError
+from course_lib.offline_ros import NodeError, run_node
 from course_lib.publish.runner import run_notebook
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -319,3 +320,16 @@ def test_command_line_says_what_cannot_be_checked(
     assert "not a notebook" in said[0]
     assert "which exercise is this" in said[1]
     assert "No such file" in said[2]
+
+
+def test_unfinished_node_is_not_yet_and_a_broken_one_is_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    node = tmp_path / "node.py"
+    node.write_text('raise NotImplementedError("wait for: one message")')
+    with check.when_done():
+        run_node(node, max_frames=1)
+    assert capsys.readouterr().out == "Not yet: wait for: one message.\n"
+    node.write_text('raise ValueError("NotImplementedError: no")')
+    with pytest.raises(NodeError), check.when_done():
+        run_node(node, max_frames=1)

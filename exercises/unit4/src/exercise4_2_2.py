@@ -25,7 +25,7 @@ from sensor_msgs.msg import Image
 
 raise NotImplementedError("MATCH_COUNT = the number that best_match_count found")
 
-# From here to the line below, the notebook's functions: it puts them here.
+# From here on, the notebook's functions: it puts them here.
 
 
 def find_keypoints(image):
@@ -43,7 +43,7 @@ def fit_outline(shape, points_template, points_frame):
     raise NotImplementedError("step 3: findHomography, then the corners; None unless it is believable")
 
 
-# From here to the line above, the notebook's functions.
+# Up to here, the notebook's functions.
 
 
 def find_file(name):
@@ -54,7 +54,7 @@ def find_file(name):
             return folder / name
     raise FileNotFoundError(
         f"no template {name!r} in {here}, above it or in {Path.cwd()}. Exercise 4.2's notebook "
-        "saves it as unit4/waterhole.png; or name another file: template:=/home/me/waterhole.png"
+        "saves it as unit4/waterhole.png; or name another file with template:=…"
     )
 
 

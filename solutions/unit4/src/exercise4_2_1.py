@@ -49,7 +49,9 @@ def main():
     rospy.init_node("exercise4_2_1")
     topic = rospy.get_param("~image_topic", "/camera/rgb/image_raw")
     file = Path(rospy.get_param("~output", "waterhole_frame.png")).expanduser().absolute()
-    rospy.sleep(rospy.get_param("~delay", 0))
+    delay = rospy.get_param("~delay", 0)
+    if delay > 0:
+        rospy.sleep(delay)
 
     timeout = rospy.get_param("~timeout", 30)
     picture = take_picture(topic, timeout)

@@ -24,10 +24,10 @@ from geometry_msgs.msg import Point32, PolygonStamped
 from sensor_msgs.msg import Image
 
 ### BEGIN SOLUTION: MATCH_COUNT = the number that best_match_count found
-MATCH_COUNT = 58
+MATCH_COUNT = 40
 ### END SOLUTION
 
-# From here to the line below, the notebook's functions: it puts them here.
+# From here on, the notebook's functions: it puts them here.
 
 
 def find_keypoints(image):
@@ -57,7 +57,7 @@ def fit_outline(shape, points_template, points_frame):
     ### BEGIN SOLUTION: step 3: findHomography, then the corners; None unless it is believable
     if len(points_template) < 4:
         return None
-    H, mask = cv2.findHomography(points_template, points_frame, cv2.RANSAC, 5.0)
+    H, mask = cv2.findHomography(points_template, points_frame, cv2.RANSAC, 5.0, maxIters=1000)
     if H is None or mask.sum() < 10:
         return None
     h, w = shape[:2]
@@ -68,7 +68,7 @@ def fit_outline(shape, points_template, points_frame):
     ### END SOLUTION
 
 
-# From here to the line above, the notebook's functions.
+# Up to here, the notebook's functions.
 
 
 def find_file(name):
@@ -79,7 +79,7 @@ def find_file(name):
             return folder / name
     raise FileNotFoundError(
         f"no template {name!r} in {here}, above it or in {Path.cwd()}. Exercise 4.2's notebook "
-        "saves it as unit4/waterhole.png; or name another file: template:=/home/me/waterhole.png"
+        "saves it as unit4/waterhole.png; or name another file with template:=…"
     )
 
 
