@@ -23,6 +23,12 @@ _FINER = np.array([0.95, 0.97, 0.985, 1.0, 1.015, 1.03, 1.05])
 _LEAST_SIDE = 20
 # Of correlations: pictures under hundreds of circles or lines reach 0.7 and more, others 0.6.
 _FOUND = 0.64
+# Large circles with dark rims hide so much that correlation is lost. But where a picture is all
+# there is, up to white margins, its place is known: then it is enough that this share of its pixels
+# is as it was, to so many grey levels. Other pictures reach 0.2.
+_UNTOUCHED, _SAME = 0.35, 8
+_WHITE = 250
+_PROPORTIONS = 0.04
 # A pixel counts as drawn on when it differs by this many grey levels, after fitting brightness.
 _DRAWN = 40.0
 
@@ -69,6 +75,11 @@ def sightings(picture: Image, wanted: Image, most: int = 2) -> list[Sighting]:
     short, long = sorted(picture.shape[:2])
     shrink = min(1.0, max(_LONG_SIDE / long, min(_SHORT_SIDE / short, _LONGEST / long)))
     small = _grey(picture, shrink)
+    whole = _within_margins(picture)
+    untouched = _untouched(picture, whole, wanted)
+    if untouched >= _UNTOUCHED:
+        found.append(Sighting(whole, untouched, drawn_share(picture, whole, wanted)))
+        small[:] = 255
     fitting = min(small.shape[0] / wanted.shape[0], small.shape[1] / wanted.shape[1])
     while len(found) < most:
         _, best = max(_scored(small, wanted, fitting * _SCALES), default=(0.0, 0.0))
@@ -84,6 +95,29 @@ def sightings(picture: Image, wanted: Image, most: int = 2) -> list[Sighting]:
         found.append(Sighting(box, likeness, drawn_share(picture, box, wanted)))
         small[y : y + height, x : x + width] = 255
     return found
+
+
+def _within_margins(picture: Image) -> tuple[int, int, int, int]:
+    """Return the box of what white margins, with or without an axis' numbers, surround."""
+    ink = (picture < _WHITE).any(axis=2)
+    spans = []
+    for density in (ink.mean(axis=0), ink.mean(axis=1)):
+        dense = np.flatnonzero(density > density.max() / 2)
+        spans.append((int(dense[0]), int(dense[-1]) + 1) if len(dense) else (0, 0))
+    (left, right), (top, bottom) = spans
+    return left, top, right, bottom
+
+
+def _untouched(picture: Image, box: tuple[int, int, int, int], wanted: Image) -> float:
+    """Return the share of a box that is as wanted; 0 for other proportions."""
+    left, top, right, bottom = box
+    width, height = right - left, bottom - top
+    if min(width, height) < _LEAST_SIDE:
+        return 0.0
+    stretch = width / height * wanted.shape[0] / wanted.shape[1]
+    if abs(stretch - 1) > _PROPORTIONS:
+        return 0.0
+    return 1 - _share_outside(picture[top:bottom, left:right], wanted, _SAME)
 
 
 def _scored(
@@ -128,6 +162,11 @@ def drawn_share(picture: Image, box: tuple[int, int, int, int], wanted: Image) -
     part = picture[top:bottom, left:right]
     if part.size == 0:
         return 0.0
+    return _share_outside(part, wanted, _DRAWN)
+
+
+def _share_outside(part: Image, wanted: Image, levels: float) -> float:
+    """Return the share of pixels that differ by more than some grey levels from all nearby."""
     expected = cv2.resize(wanted, part.shape[1::-1], interpolation=cv2.INTER_AREA)
     # A pixel's neighbourhood allows for a place that is known to a pixel or two only.
     low, high = (op(expected, np.ones((5, 5))).astype(np.int16) for op in (cv2.erode, cv2.dilate))
@@ -135,7 +174,7 @@ def drawn_share(picture: Image, box: tuple[int, int, int, int], wanted: Image) -
     shares = []
     for channels in (part, part[..., ::-1]):
         outside = np.maximum(channels - high, low - channels).max(axis=2)
-        shares.append(float((outside > _DRAWN).mean()))
+        shares.append(float((outside > levels).mean()))
     return min(shares)
 
 

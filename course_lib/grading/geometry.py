@@ -12,14 +12,16 @@ from course_lib.grading.outlines import (
     expected_outline,
     is_convex,
     outline_overlap,
+    reformed,
 )
-from course_lib.grading.thresholds import MUG, MUG_COVERED, WELL, Tolerance
+from course_lib.grading.thresholds import FORM, MUG, MUG_COVERED, WELL, Tolerance
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
 __all__ = [
     "as_outline",
+    "corner_credit",
     "corner_error",
     "credit",
     "diagnose",
@@ -63,6 +65,29 @@ def credit(error: float, tolerance: Tolerance) -> float:
     return (1 + math.cos(math.pi * way)) / 2
 
 
+def corner_credit(found: object, true: ArrayLike, tolerance: Tolerance) -> float:
+    """
+    Return which share of the points four corners get.
+
+    Right corners in another order, or in OpenCV's own shape (4, 1, 2), get :data:`FORM` of it: the
+    work is done, what was asked for is not given.
+
+    Parameters
+    ----------
+    found : object
+        What the submission returned.
+    true : array_like, shape (4, 2)
+    tolerance : Tolerance
+
+    Returns
+    -------
+    float
+        From 0 to 1.
+    """
+    exact = credit(corner_error(found, true), tolerance)
+    return max(exact, FORM * credit(corner_error(reformed(found, true), true), tolerance))
+
+
 def mug_credit(found: object, true: ArrayLike | None, kind: str = "plain") -> float:
     """
     Return the share of the points for one scene of :func:`course_lib.scenes.mug_scene`.
@@ -84,7 +109,7 @@ def mug_credit(found: object, true: ArrayLike | None, kind: str = "plain") -> fl
     if true is None:
         return float(found is None)
     tolerance = MUG_COVERED if kind == "cover" else MUG
-    return credit(corner_error(found, true), tolerance)
+    return corner_credit(found, true, tolerance)
 
 
 def well_credit(found: object, expected: ArrayLike | None) -> float:

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 MESSAGES = {
-    "none": "Your function returned None, but the {thing} is in this scene. Is your check too "
-    "strict, or are too few matches left for findHomography? Draw the matches to see.",
+    "none": "Your function returned None, but the {thing} is in this scene. Draw the matches, and "
+    "print how many inliers there are. If hardly any matches agree, look at how they are made and "
+    "sorted. If many agree and the inliers are few, RANSAC is missing or the points are paired "
+    "wrongly: queryIdx counts the keypoints of the picture given to match() first, trainIdx the "
+    "others. If the inliers are many, your check is too strict.",
     "absent": "Your function returned an outline, but the {thing} is not in this scene. A "
     "homography can be fitted to any four matches: count the inliers in findHomography's mask, "
     "and return None when only a few agree.",

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from itertools import permutations
 from typing import TYPE_CHECKING, Any
 
 import cv2
 import numpy as np
 
 from course_lib.grading.mistake_texts import MESSAGES
-from course_lib.grading.outlines import FARTHEST, as_outline, corner_error, is_convex
+from course_lib.grading.outlines import (
+    FARTHEST,
+    as_outline,
+    corner_error,
+    is_convex,
+    nearest_order,
+)
 from course_lib.homography import project, template_corners
 
 if TYPE_CHECKING:
@@ -28,6 +33,13 @@ NAMED = 0.07
 NAMED_NEAR = 0.012
 MUCH_NEARER = 0.4
 LEAST_SCALE = 0.05
+
+# Who makes one of these has found the object all the same.
+HAS_FOUND = frozenset(
+    ("(4, 1, 2)", "transposed", "flat", "homography", "box", "five", "inverse", "order", "xy", "wh")
+    + ("scene outline", "template size", "upright", "resized", "resized swapped", "beside")
+    + ("shifted", "flipped", "depth", "unit", "near")
+)
 
 SHAPES = {(4, 1, 2): "(4, 1, 2)", (1, 4, 2): "(4, 1, 2)", (2, 4): "transposed", (8,): "flat",
           (3, 3): "homography", (4,): "box", (3, 2): "three", (3, 1, 2): "three", (5, 2): "five",
@@ -148,12 +160,12 @@ def _guesses(
     yield "wh", project(H, template_corners(template[::-1]).astype(np.float64)), 0
     if scene != template[::-1]:
         yield "scene outline", project(H, frame), 0
-    yield "order", _nearest_order(points, right), 0
-    yield "scene", _nearest_order(points, frame), 0
-    yield "template", _nearest_order(points, corners), 0
+    yield "order", nearest_order(right, points), 0
+    yield "scene", nearest_order(frame, points), 0
+    yield "template", nearest_order(corners, points), 0
     # It is its corners' order that is wrong first, where an object hardly leans.
-    if corner_error(_nearest_order(right, box), right) > RIGHT * _diagonal(right):
-        yield "upright", _nearest_order(points, box), 1
+    if corner_error(nearest_order(box, right), right) > RIGHT * _diagonal(right):
+        yield "upright", nearest_order(box, points), 1
     yield "unit", right / scene, 0
     yield "depth", (corners @ H[:, :2].T + H[:, 2])[:, :2], 0
     yield "flipped", right * (-1, 1) + (scene[0] - 1, 0), 0
@@ -174,12 +186,6 @@ def _guesses(
 def _homography(source: Points, target: Points) -> Points:
     found = cv2.getPerspectiveTransform(source.astype(np.float32), target.astype(np.float32))
     return np.asarray(found, np.float64)
-
-
-def _nearest_order(points: Points, corners: Points) -> Points:
-    """Return the corners in the order that comes nearest to the points."""
-    orders = [corners[list(order)] for order in permutations(range(4))]
-    return min(orders, key=lambda order: float(((points - order) ** 2).sum()))
 
 
 def _diagonal(points: Points) -> float:

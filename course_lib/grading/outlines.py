@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import permutations
 from typing import TYPE_CHECKING
 
 import cv2
@@ -72,6 +73,41 @@ def corner_error(found: object, true: ArrayLike) -> float:
         return math.inf
     offsets = points - np.asarray(true, np.float64).reshape(4, 2)
     return float(np.sqrt((offsets**2).sum(axis=1).mean()))
+
+
+def reformed(found: object, true: ArrayLike) -> NDArray[np.float64] | None:
+    """
+    Return the same four corners in the asked shape and order, or None if they are not that.
+
+    Parameters
+    ----------
+    found : object
+        Anything that a submission may return, such as an array of shape (4, 1, 2).
+    true : array_like, shape (4, 2)
+        Of all orders, the one that comes nearest is taken.
+
+    Returns
+    -------
+    ndarray of float64, shape (4, 2), or None
+
+    Examples
+    --------
+    >>> reformed([[0, 0], [9, 0], [9, 9], [0, 9]], [[0, 0], [0, 8], [8, 8], [8, 0]])[1]
+    array([0., 9.])
+    """
+    shape = getattr(found, "shape", None)
+    # Only what has a shape of its own is reshaped: a nested list may hold anything.
+    flat = np.reshape(np.asarray(found), (4, 2)) if shape in {(4, 1, 2), (1, 4, 2)} else found
+    points = as_outline(flat)
+    if points is None or np.abs(points).max() > FARTHEST:
+        return None
+    return nearest_order(points, np.asarray(true, np.float64))
+
+
+def nearest_order(corners: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return corners in the order in which they come nearest to some points, both (4, 2)."""
+    orders = [corners[list(order)] for order in permutations(range(4))]
+    return min(orders, key=lambda order: float(((points - order) ** 2).sum()))
 
 
 def expected_outline(

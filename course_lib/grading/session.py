@@ -21,9 +21,11 @@ import pytest
 from nbval.plugin import IPyNbCell, IPyNbFile, NbCellError
 
 from course_lib.grading.channel import KernelGoneError
+from course_lib.grading.error_hints import hint
 from course_lib.grading.notebook import NbvalKernel, Notebook
 from course_lib.grading.results import Picture, SubmissionResult, TestResult
 from course_lib.grading.rubric import Grade, GradeFailed
+from course_lib.grading.sandbox import places
 from course_lib.grading.seeds import Seeds
 from course_lib.grading.similarity import of_submission
 from course_lib.grading.student import NotSubmittedError, Student, StudentError
@@ -157,6 +159,7 @@ class _Grading:
             self.close()  # one exercise at a time holds a kernel
             folder = self._scratch / f"work_{exercise.replace('.', '_')}"
             shutil.copytree(self.submission.folder, folder)
+            places.lay_out_pictures(folder)
             self._notebooks[exercise] = Notebook(
                 self._launcher, folder, self.limits, self._deadline
             )
@@ -292,7 +295,8 @@ def _cell_error(outputs: list[Any], error: BaseException) -> str:
                 return "is not done yet"
             if kind == "KeyboardInterrupt":
                 return "took too long and was stopped"
-            return f"raised {kind}: {clean(str(output.get('evalue', '')), 500)}"
+            message = clean(str(output.get("evalue", "")), 500).rstrip(". \n")
+            return f"raised {kind}: {message}.{hint(kind, message)}".rstrip(".")
     if isinstance(error, NbCellError):
         return "took too long and was stopped"
     if isinstance(error, KernelGoneError):

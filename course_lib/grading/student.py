@@ -17,6 +17,7 @@ import cv2
 
 from course_lib.grading import agent, wire
 from course_lib.grading.channel import KernelGoneError
+from course_lib.grading.error_hints import hint
 from course_lib.grading.text import clean
 
 if TYPE_CHECKING:
@@ -300,9 +301,8 @@ def _outcome(what: str, content: Mapping[str, Any], buffers: Sequence[bytes]) ->
         raise NotDone(f"{what} is not done yet (it raises NotImplementedError).")
     line = clean(str(content.get("line", "")), 300).strip()
     where = f" in the line `{line}`" if line else ""
-    raise Raised(
-        f"{what} raised {kind}: {message}{where}" if message else f"{what} raised {kind}{where}"
-    )
+    said = f"{what} raised {kind}: {message}{where}" if message else f"{what} raised {kind}{where}"
+    raise Raised(f"{said.rstrip('.')}.{hint(kind, message)}")
 
 
 def _pairs(found: object) -> list[tuple[str, tuple[bytes, bool]]]:

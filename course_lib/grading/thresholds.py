@@ -110,3 +110,5 @@ CROP_WHOLE, CROP_CLOSE = (0.5, 0.9), (0.2, 0.4)
 # ORB's best 100 or 150, RANSAC or MAGSAC, are 13 to 17 off, SIFT 14 to 16, ORB with a ratio test 21
 # to 34, AKAZE 13 to 42 where it has ten inliers. What is wrong is 200 and more off.
 MUG_SHELF = Tolerance(45.0, 110.0)
+# What is left for right corners in the wrong order or shape.
+FORM = 0.5

@@ -19,6 +19,8 @@ BAD_CELL = 0.25  # what a cell that raises costs, of the point
 # Mean difference in grey levels between a picture and itself, resized in another way: under 5.
 SAME_PICTURE = 12.0
 LEAST_KEYPOINTS = 50
+# From this share of rows on that ORB gives again, they are ORB's.
+SURELY_ORB = 0.6
 
 
 @points(1, "4.1.1", "The notebook runs from top to bottom")
@@ -28,7 +30,9 @@ def test_runs(student, grade):
     bad = [cell for cell in student.cells if cell.error]
     for cell in bad:
         grade.note(f"Code cell {cell.number} {cell.error}.")
-    grade.add(there / len(FUNCTIONS) * max(0.0, 1 - BAD_CELL * len(bad)))
+    # What fails for one reason in several cells is one mistake.
+    reasons = len({cell.error for cell in bad})
+    grade.add(there / len(FUNCTIONS) * max(0.0, 1 - BAD_CELL * reasons))
 
 
 def _is_written(student, name, grade):
@@ -115,6 +119,11 @@ def test_find_keypoints(student, grade, seeds):
         "There should be one row of descriptors for each keypoint. Take both from one call: "
         "orb.detectAndCompute(gray, None).",
     )
+    grade.check(
+        _in_one_order(mug, keypoints, descriptors),
+        "The descriptors are in another order than the keypoints: the i-th row should belong to "
+        "the i-th keypoint. Were the keypoints sorted on their own?",
+    )
     places = np.array([each.pt for each in keypoints]).reshape(-1, 2)
     inside = (places >= -0.5) & (places <= np.array(MUG_SIZE) - 0.5)
     grade.check(
@@ -132,6 +141,25 @@ def test_find_keypoints(student, grade, seeds):
         grade.add(1.0, out_of=0.2)
 
 
+def _in_one_order(mug, keypoints, descriptors):
+    """Tell whether ORB's descriptors, if it is ORB, stand in the order of their keypoints."""
+    if descriptors.dtype != np.uint8 or descriptors.shape[1] != 32:
+        return True
+    orb = cv2.ORB_create(max(len(keypoints), 1))
+    again, described = orb.compute(cv2.cvtColor(mug, cv2.COLOR_BGR2GRAY), keypoints)
+    if described is None:
+        return True
+    at = {_place(each): row.tobytes() for each, row in zip(again, described, strict=True)}
+    given = [row.tobytes() for row in descriptors]
+    known = set(at.values()).intersection(given)
+    right = sum(at.get(_place(each)) == row for each, row in zip(keypoints, given, strict=True))
+    return len(known) < SURELY_ORB * len(given) or right > len(known) / 2
+
+
+def _place(keypoint):
+    return (*keypoint.pt, keypoint.octave)
+
+
 def _used_wrong_grey(mug, keypoints, descriptors):
     """Tell whether ORB's keypoints are those of the picture with red and blue exchanged."""
     if descriptors.dtype != np.uint8 or descriptors.shape[1] != 32:
@@ -142,13 +170,33 @@ def _used_wrong_grey(mug, keypoints, descriptors):
     return described is not None and np.array_equal(described, descriptors)
 
 
+def _features(student, pictures):
+    """Find keypoints as the student does, or with ORB: matching is not to suffer for them."""
+    try:
+        found = [student.find_keypoints(picture) for picture in pictures]
+    except StudentError:
+        found = []
+    if found and all(map(_are_features, found)):
+        return found
+    grey = [cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY) for picture in pictures]
+    return [cv2.ORB_create(1000).detectAndCompute(each, None) for each in grey]
+
+
+def _are_features(found):
+    if not isinstance(found, tuple | list) or len(found) != 2:
+        return False
+    keypoints, descriptors = found
+    if not isinstance(keypoints, tuple | list) or not isinstance(descriptors, np.ndarray):
+        return False
+    several = descriptors.ndim == 2 and len(descriptors) == len(keypoints) >= 4
+    return several and all(isinstance(each, cv2.KeyPoint) for each in keypoints)
+
+
 @points(1, "4.1.4", "match_keypoints returns good matches, each once, the best first")
 def test_match_keypoints(student, grade, seeds):
     """A match is right when both of its points are the same on the mug; where that is known."""
     scene = mug_scene(seeds("parts"), kind="plain")
-    (keypoints, query), (others, train) = (
-        student.find_keypoints(picture) for picture in (scene.mug, scene.scene)
-    )
+    (keypoints, query), (others, train) = _features(student, (scene.mug, scene.scene))
     matches = MatchList(student.match_keypoints(query, train), len(keypoints), len(others))
     grade.check(not matches.wrong_kind, matches.wrong_kind)
     here, there = (np.array([each.pt for each in some]) for some in (keypoints, others))
@@ -164,5 +212,8 @@ def test_match_keypoints(student, grade, seeds):
     alone = "Many keypoints share one partner. Ask both ways: crossCheck=True, or a ratio test."
     grade.add(once, out_of=0.35, message=alone if once < 1 else None)
     right = matches.share_right(expected, there)
-    astray = "Few of your best matches are right. Is the norm the descriptors' own, and all sorted?"
+    astray = (
+        "Few of your best matches are right. Is the norm that of the descriptors, do descriptors "
+        "and keypoints belong together, and are all matches sorted?"
+    )
     grade.add(right, out_of=0.3, message=astray if right < 1 else None)

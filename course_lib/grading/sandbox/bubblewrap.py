@@ -110,6 +110,8 @@ def _arguments(folder: Path, uid: int | None) -> list[str]:
         mounts += ["--perms", "1777", "--size", str(size * 2**20), "--tmpfs", path]
     for part in places.course():
         mounts += ["--ro-bind", str(part), str(part)]
+    # What `places.lay_out_pictures` puts beside the working folder.
+    mounts += ["--symlink", str(places.pictures()), f"{places.HOME}/{places.pictures().name}"]
     mounts += ["--bind", str(folder), places.WORK, "--chdir", places.WORK]
     return [*spaces, *mounts, "--remount-ro", "/"]
 

@@ -16,6 +16,8 @@ _SETTINGS = ("/etc/ld.so.cache", "/etc/alternatives", "/etc/fonts", "/etc/localt
 # The grader, and what makes its held-out inputs and knows their truth.
 _HIDDEN = ("grading", "scenes", "scenes.py")
 _HIDDEN_PICTURES = "heldout"
+_PICTURES = "images"
+_EXERCISE_PICTURES = ("ROS.png", "ROS2.png", "flight.bag")
 
 
 def readable() -> list[Path]:
@@ -41,7 +43,26 @@ def course() -> list[Path]:
 
 def pictures() -> Path:
     """Give the folder of the course's pictures."""
-    return COURSE.parent / "images"
+    return COURSE.parent / _PICTURES
+
+
+def lay_out_pictures(folder: Path) -> None:
+    """
+    Put the course's pictures where ``cv2.imread`` looks for them, beside and in a working folder.
+
+    A student who wrote ``../images/ROS.png``, ``images/ROS.png`` or kept a copy beside the notebook
+    has made no mistake. What was handed in stays as it is.
+
+    Parameters
+    ----------
+    folder : Path
+        The working folder, not yet handed over; pictures go into its parent too.
+    """
+    links = [folder.parent / _PICTURES, folder / _PICTURES]
+    links += [folder / name for name in _EXERCISE_PICTURES]
+    for link in links:
+        if not os.path.lexists(link):
+            link.symlink_to(pictures() if link.name == _PICTURES else pictures() / link.name)
 
 
 def environment(home: str) -> dict[str, str]:
