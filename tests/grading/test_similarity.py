@@ -95,7 +95,7 @@ def test_the_stub_and_the_lessons_do_not_count(tmp_path):
     notebook.write_text(lesson.read_text())
     package = tmp_path / "unit4"
     package.mkdir()
-    (package / "node.py").write_text("\n".join(SOLUTIONS["ratio"]))
+    (package / "node.py").write_text("\n".join(SOLUTIONS["sift_ratio_magsac"]))
     found = of_submission({"4.1": notebook}, package)
     assert found["4.1"] == frozenset()
     assert found["4.2"] == fingerprints(package / "node.py", ignore=published())
@@ -158,7 +158,7 @@ def test_five_hundred_submissions_are_compared_quickly():
 
 
 def test_a_class_that_hands_in_one_file_is_one_group():
-    own = marks(SOLUTIONS["ratio"])
+    own = marks(SOLUTIONS["sift_ratio_magsac"])
     (group,) = groups({f"student {i:03}": own for i in range(300)})
     assert len(group.students) == 300
     assert group.alike == 1
@@ -183,7 +183,7 @@ def test_little_code_is_never_a_copy():
 
 
 def test_fingerprints_survive_being_stored():
-    own = marks(SOLUTIONS["ratio"])
+    own = marks(SOLUTIONS["sift_ratio_magsac"])
     assert unpack(pack(own)) == own
     assert unpack(pack(frozenset())) == frozenset()
     for damaged in ("?", "AAA", "AAAAAAA=", "é"):

@@ -6,6 +6,7 @@ what grading it must come to; the rest says what is handed in, by any of these:
 
 - ``exercise_4_1.py``, ``exercise_4_2.py``: notebooks as scripts, a cell after each line ``# %%``,
   or ``# %% [markdown]``, whose lines then begin with ``# ``;
+- ``like``: another sample, such as ``"correct/short"``, from which this one starts;
 - ``base`` and ``[[edit]]`` (``file``, ``old``, ``new``) in ``expected.toml``: the files that
   ``base`` names, of ``solutions/``, with parts of them replaced;
 - ``make.py`` with a function ``make(folder)``, for what no file can say: zip bombs, FIFOs, links;
@@ -48,6 +49,9 @@ def build(name: str, into: Path) -> Path:
     """Write a sample's submission into a new folder, and return that."""
     source, about = HERE / name, expected(name)
     into.mkdir(parents=True)
+    if "like" in about:
+        shutil.copytree(build(about["like"], Path(f"{into}.like")), into, dirs_exist_ok=True)
+        shutil.rmtree(f"{into}.like")
     for each in about.get("base", []):
         _copy(SOLUTIONS / each, into / each)
     for path in sorted(source.iterdir()):
