@@ -5,7 +5,8 @@ VENV := .venv
 RUN := $(VENV)/bin/python
 READY := $(VENV)/.ready
 PYTEST := $(RUN) -m pytest -n 2 --dist loadfile
-SUBMISSIONS ?= tests/grading/samples/class
+SAMPLES := build/class
+SUBMISSIONS ?= $(SAMPLES)
 OUT ?= grades
 BENCHES = $(sort $(wildcard tests/bench/bench_*.py))
 
@@ -35,7 +36,10 @@ bench: $(READY) ## measure sliders, the locator and the notebooks against what o
 site: $(READY) ## export the course as web pages whose sliders need no kernel, into site/
 	$(RUN) -m course_lib.publish.site --out site
 
-grade: $(READY) ## grade the submissions in SUBMISSIONS (a sample class) and write the results to OUT
+grade: $(READY) ## grade SUBMISSIONS=folder (a sample class of 20) and write the results to OUT=folder (grades)
+ifeq ($(SUBMISSIONS),$(SAMPLES))
+	$(RUN) tests/grading/samples/make_class.py $(SAMPLES)
+endif
 	$(VENV)/bin/course grade $(SUBMISSIONS) --out $(OUT)
 
 notebooks: $(READY) ## execute the notebooks and store their outputs, as CI expects them
