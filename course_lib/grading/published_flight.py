@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
@@ -31,6 +32,7 @@ _EVERY = 2  # neighbours are nearly the same, and looked at one by one in the en
 _ASPECT, _LEAST_WIDTH = 0.1, 100
 _BACKGROUND, _PHOTO_ROW = 12, 0.6
 _RIM = 0.02  # of a side
+_AROUND = 0.25  # of the well's size
 _MUCH = 0.3  # of the smaller of two boxes
 _LEAST_AREA = 0.03  # of the picture, for one of several in it
 
@@ -55,7 +57,7 @@ def frame(number: int) -> Image:
 def silhouette(number: int) -> NDArray[np.float64]:
     """Return the well's outline in a frame, (N, 2), (x, y)."""
     record: dict[str, Any] = images.truth(FLIGHT)["frames"][number]["well"]
-    return np.array(record["polygon"], np.float64)
+    return np.array(record["polygon"], np.float64).reshape(-1, 2)
 
 
 @cache
@@ -74,7 +76,26 @@ def _normalised(grey: Image) -> NDArray[np.float32]:
     return np.asarray(small / max(float(np.linalg.norm(small)), 1e-6), np.float32)
 
 
-def frames_shown(picture: Image) -> list[tuple[Box, float]]:
+@dataclass(frozen=True, order=True)
+class Shown:
+    """A frame in a picture.
+
+    Attributes
+    ----------
+    drawn : float
+        The share of its pixels that something was drawn on.
+    about_well : float
+        The share of these that lie at and around the well, as an outline's do and a grid's do not.
+    box : (left, top, right, bottom)
+        Where, in pixels of the picture.
+    """
+
+    drawn: float
+    about_well: float
+    box: Box
+
+
+def frames_shown(picture: Image) -> list[Shown]:
     """Find frames of the published flight in a picture.
 
     Parameters
@@ -84,18 +105,18 @@ def frames_shown(picture: Image) -> list[tuple[Box, float]]:
 
     Returns
     -------
-    list of (box, float)
-        Left, top, right, bottom of each, and the share of its pixels that something was drawn on.
+    list of Shown
+        The least changed first.
     """
     found = []
     for box in photo_boxes(picture):
         tiles = [(tile, _match(picture, tile)) for tile in _tiles(box)]
         found += [(tile, number) for tile, number in tiles if number is not None]
     # The whole picture may be like a frame, and a frame within a margin even more so.
-    shown: list[tuple[Box, float]] = []
-    for share, box in sorted((_drawn_on(picture, box, number), box) for box, number in found):
-        if not any(_overlap(box, other) for other, _ in shown):
-            shown.append((box, share))
+    shown: list[Shown] = []
+    for one in sorted(_shown(picture, box, number) for box, number in found):
+        if not any(_overlap(one.box, other.box) for other in shown):
+            shown.append(one)
     return shown
 
 
@@ -115,14 +136,34 @@ def _match(picture: Image, box: Box) -> int | None:
     return int(numbers[best]) if scores[best] >= _ALIKE else None
 
 
-def _drawn_on(picture: Image, box: Box, number: int) -> float:
+def _shown(picture: Image, box: Box, number: int) -> Shown:
     near = range(max(0, number - _EVERY + 1), min(len(_recorded()), number + _EVERY))
     # The line that matplotlib draws around a picture is not drawn on it.
     left, top, right, bottom = box
     dx, dy = round(_RIM * (right - left)), round(_RIM * (bottom - top))
     inner = (left + dx, top + dy, right - dx, bottom - dy)
     x, y = (round(_RIM * side) for side in _SIZE)
-    return min(drawn_share(picture, inner, frame(each)[y:-y, x:-x]) for each in near)
+    drawn, best = min((drawn_share(picture, inner, frame(n)[y:-y, x:-x]), n) for n in near)
+    return Shown(drawn, _about_well(picture, inner, best, drawn), box)
+
+
+def _about_well(picture: Image, inner: Box, number: int, drawn: float) -> float:
+    outline = silhouette(number)
+    if not len(outline) or drawn <= 0:
+        return 0.0
+    low, high = outline.min(axis=0), outline.max(axis=0)
+    margin = _AROUND * (high - low)
+    rim = _RIM * np.array(_SIZE)
+    corners = np.clip([low - margin, high + margin], rim, np.array(_SIZE) - rim)
+    scale = np.array([inner[2] - inner[0], inner[3] - inner[1]]) / (np.array(_SIZE) - 2 * rim)
+    (left, top), (right, bottom) = np.rint((corners - rim) * scale + inner[:2]).astype(int)
+    (x0, y0), (x1, y1) = np.rint(corners).astype(int)
+    if min(right - left, bottom - top, x1 - x0, y1 - y0) < 2:
+        return 0.0
+    part = (int(left), int(top), int(right), int(bottom))
+    there = drawn_share(picture, part, frame(number)[y0:y1, x0:x1])
+    of_all = (right - left) * (bottom - top) / ((inner[2] - inner[0]) * (inner[3] - inner[1]))
+    return float(min(1.0, there * of_all / drawn))
 
 
 def photo_boxes(picture: Image) -> list[Box]:

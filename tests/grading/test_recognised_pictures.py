@@ -59,15 +59,27 @@ PICTURES = {
 
 @pytest.mark.parametrize("name", PICTURES)
 def test_a_frame_is_told_from_one_that_was_drawn_on(name):
-    plain = [share for _, share in frames_shown(PICTURES[name](frame))]
-    marked = [share for _, share in frames_shown(PICTURES[name](outlined))]
+    plain = frames_shown(PICTURES[name](frame))
+    marked = frames_shown(PICTURES[name](outlined))
     assert len(plain) == len(marked) > 0
-    assert max(plain) < 0.0008
-    assert min(marked) > 0.003
+    assert max(one.drawn for one in plain) < 0.0008
+    assert min(one.drawn for one in marked) > 0.003
+    assert min(one.about_well for one in marked) > 0.8
+
+
+def test_a_grid_is_no_outline():
+    def grid(axes):
+        axes.imshow(frame(60)[..., ::-1])
+        axes.set(xticks=range(0, 640, 50), yticks=range(0, 480, 50))
+        axes.grid()
+
+    (shown,) = frames_shown(drawn([grid]))
+    assert shown.drawn > 0.003
+    assert shown.about_well < 0.5
 
 
 def test_a_thin_outline_shows():
-    assert frames_shown(outlined(70, thickness=1))[0][1] > 0.002
+    assert frames_shown(outlined(70, thickness=1))[0].drawn > 0.002
 
 
 def test_other_pictures_are_no_frames():

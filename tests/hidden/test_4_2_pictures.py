@@ -15,6 +15,7 @@ MOST = 12  # pictures that are looked at, the last ones
 # Of a picture's pixels: fewer changed ones mean that nothing was drawn on it. An outline one pixel
 # wide around a small waterhole still changes 0.2 %, keypoints far more.
 OUTLINED, DRAWN_ON = 0.0015, 0.01
+AT_THE_WELL = 0.55  # of what was drawn; of a grid, two fifths are
 ANOTHER = 0.4  # so many changed: it is another frame
 WANTED = (
     "the keypoints of the waterhole",
@@ -43,13 +44,15 @@ def test_three_pictures(student, grade, seeds):
 def _could_be(picture, template):
     """Return what each part of a picture could be: keypoints, outline, plot."""
     frames = frames_shown(picture)
-    outlined = [share for _, share in frames if OUTLINED < share < ANOTHER]
+    outlined = [
+        one for one in frames if OUTLINED < one.drawn < ANOTHER and one.about_well > AT_THE_WELL
+    ]
     parts = [np.array([False, True, False])] * len(outlined)
     # The waterhole that stands in a frame is not a picture of its own.
     alone = [
         seen
         for seen in sightings(picture, template)
-        if seen.drawn > DRAWN_ON and not any(_middle_inside(seen.box, box) for box, _ in frames)
+        if seen.drawn > DRAWN_ON and not any(_middle_inside(seen.box, one.box) for one in frames)
     ]
     parts += [np.array([True, False, False])] * len(alone)
     if shows_plot(picture):
