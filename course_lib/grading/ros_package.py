@@ -88,6 +88,8 @@ class Package:
         text = re.sub(r"#.*", "", self._text("CMakeLists.txt"))
         bare = re.sub(r"\s+", "", text).lower()
         missing = [part for part in _CMAKE if part not in bare]
+        if missing and _STUB in self._text("CMakeLists.txt"):
+            raise FaultError("CMakeLists.txt is not done yet.")
         if missing:
             raise FaultError(
                 f"CMakeLists.txt has no {missing[0]}…). Without it catkin does not build.",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import nbformat
 import pytest
-from hidden_runs import by_number, graded, lost
+from hidden_runs import by_number, edited, graded, lost
 from independent_4_2 import CELLS, handed_in
 from nbformat.v4 import new_code_cell, new_notebook
 
@@ -42,6 +42,20 @@ def test_right_work_gets_every_point_whatever_its_method(tmp_path, launcher, sty
     assert lost(result) == set(), [test for test in result.tests if test.score < test.max_score]
     assert result.max_score == 10
     assert result.events == ()
+
+
+def test_the_solution_gets_every_point(tmp_path, launcher):
+    result = graded(edited("exercise_4_2.ipynb", tmp_path / "in", ()), "4.2", launcher)
+    assert lost(result) == set(), [test for test in result.tests if test.score < test.max_score]
+    assert result.events == ()
+
+
+def test_the_exercise_as_it_is_given_is_not_yet(tmp_path, launcher):
+    given = edited("exercise_4_2.ipynb", tmp_path / "in", (), "exercises")
+    result = graded(given, "4.2", launcher)
+    assert result.score == 0, [test for test in result.tests if test.score]
+    asked = [test for test in result.tests if test.number != "4.2.6"]
+    assert all("not done yet" in test.output for test in asked), [t.output for t in asked]
 
 
 def test_half_of_the_points_are_for_the_package(tmp_path, launcher):
