@@ -69,7 +69,7 @@ ORB 500, cross-check     0.05 / 0.00  0.29 / 0.10  0.40 / 0.14  0.39 / 0.14  0.4
 
 Four matches are never enough. ``WELL_ENOUGH`` lies below the worst seed of every pipeline but ORB's
 default of 500 keypoints, which finds the well in every other frame, as its user can see; it gets
-two thirds. A count of 400 costs ORB 0.15 against the best, which a student cannot tell from luck in
+four fifths. Over the eight judged frames, the solution's worst of 22 seeds was 0.63. A count of 400 costs ORB 0.15 against the best, which a student cannot tell from luck in
 a few frames: ``COUNT_LOSS`` begins to take points at twice that, and takes all at 0.6.
 """
 
@@ -99,7 +99,7 @@ MUG_COVERED = Tolerance(24.0, 72.0)
 # 1 - overlap.
 WELL = Tolerance(0.5, 0.8)
 # Of the mean credit over the frames of a flight: half of the frames may fail before points go.
-WELL_ENOUGH = 0.6
+WELL_ENOUGH = 0.5
 # Of the credit that the best candidate would have reached on the same frames.
 COUNT_LOSS = Tolerance(0.3, 0.6)
 # Shares from which points begin and are full. A crop is good when it is well for the most part,
