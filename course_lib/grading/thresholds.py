@@ -69,7 +69,9 @@ ORB 500, cross-check     0.05 / 0.00  0.29 / 0.10  0.40 / 0.14  0.39 / 0.14  0.4
 
 Four matches are never enough. ``WELL_ENOUGH`` lies below the worst seed of every pipeline but ORB's
 default of 500 keypoints, which finds the well in every other frame, as its user can see; it gets
-four fifths. Over the eight judged frames, the solution's worst of 22 seeds was 0.63. A count of 400 costs ORB 0.15 against the best, which a student cannot tell from luck in
+four fifths. Over the eight judged frames, the solution's worst of 22 seeds was 0.63.
+
+A count of 400 costs ORB 0.15 against the best, which a student cannot tell from luck in
 a few frames: ``COUNT_LOSS`` begins to take points at twice that, and takes all at 0.6.
 """
 
