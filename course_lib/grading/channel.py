@@ -27,6 +27,8 @@ Message = dict[str, Any]
 _MOST_QUEUED = 2000  # messages of one cell that are kept
 _MOST_GARBAGE = 1000
 _MOST_TEXT = 20_000  # characters of one stream message
+_PART_BYTES = 64  # what a message's part takes, however short
+_DRAIN_SECONDS = 1.0
 
 
 class KernelGoneError(Exception):
@@ -107,8 +109,9 @@ class Channel:
 
     def drain(self) -> None:
         """Read and drop whatever has arrived."""
+        end = time.monotonic() + _DRAIN_SECONDS
         with suppress(Empty, KernelGoneError):
-            while True:
+            while time.monotonic() < end:
                 self._wait(time.monotonic())
         self._outputs.clear()
         self._replies.clear()
@@ -136,7 +139,7 @@ class Channel:
             parts = socket.recv_multipart(zmq.NOBLOCK, copy=True)
         except zmq.Again:
             return
-        self._left -= sum(map(len, parts))
+        self._left -= sum(map(len, parts)) + _PART_BYTES * len(parts)
         if self._left < 0:
             self._end(f"output limit of {self._most // 2**20} MB")
         try:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import binascii
 import io
+import shutil
 import time
 from queue import Empty
 from typing import TYPE_CHECKING, Any
@@ -13,6 +14,8 @@ import numpy as np
 from PIL import Image, UnidentifiedImageError
 
 from course_lib.grading.channel import Channel, KernelGoneError, Message
+from course_lib.grading.sandbox import places
+from course_lib.grading.scratch import remove
 from course_lib.grading.student import Cell
 from course_lib.grading.text import clean
 
@@ -41,8 +44,11 @@ class Notebook:
     ----------
     launcher : Launcher
         Starts kernels.
+    original : Path
+        The submission's files.
     folder : Path
-        The working folder, a copy of the submission.
+        The working folder, to be made; each new kernel finds the submission's files there, however
+        the last one left it.
     limits : Limits
         Seconds and bytes.
     deadline : float
@@ -58,11 +64,14 @@ class Notebook:
         Limits that were hit.
     """
 
-    def __init__(self, launcher: Launcher, folder: Path, limits: Limits, deadline: float) -> None:
+    def __init__(
+        self, launcher: Launcher, original: Path, folder: Path, limits: Limits, deadline: float
+    ) -> None:
         self.cells: list[Cell] = []
         self.pictures: list[NDArray[np.uint8]] = []
         self.events: list[str] = []
         self._launcher = launcher
+        self._original = original
         self._folder = folder
         self._limits = limits
         self._deadline = deadline
@@ -89,8 +98,11 @@ class Notebook:
         self.close()
         if self._starts >= _MOST_STARTS or not self.seconds_left():
             raise KernelGoneError("it had died too often, or the time for this submission was up")
-        self._kernel = self._launcher.kernel(self._folder)
         self._starts += 1
+        remove(self._folder)
+        shutil.copytree(self._original, self._folder)
+        places.lay_out_pictures(self._folder)
+        self._kernel = self._launcher.kernel(self._folder)
         self._channel = Channel(self._kernel, self._limits.output_bytes)
         for source in list(self._sources):
             if not self._execute_again(source):

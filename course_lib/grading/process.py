@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import course_lib
 from course_lib.grading import framing
 from course_lib.grading.messages import Finished, Settings, Task, from_message
-from course_lib.grading.sandbox import keeper
+from course_lib.grading.sandbox import processes
 from course_lib.grading.scratch import remove
 
 if TYPE_CHECKING:
@@ -110,7 +110,7 @@ class WorkerProcess:
         try:
             self._process.wait(_END_SECONDS)
         except subprocess.TimeoutExpired:
-            for pid in [*keeper.descendants(self._process.pid), self._process.pid]:
+            for pid in [*processes.descendants(self._process.pid), self._process.pid]:
                 with contextlib.suppress(OSError):
                     os.kill(pid, signal.SIGKILL)
             self._process.wait()

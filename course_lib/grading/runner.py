@@ -14,6 +14,7 @@ from course_lib.grading import report
 from course_lib.grading.fingerprint import Fingerprints
 from course_lib.grading.messages import Finished, Settings, Started, Task
 from course_lib.grading.results import SubmissionResult
+from course_lib.grading.sandbox.places import seen_by_students
 from course_lib.grading.submission import find_submissions
 from course_lib.grading.summary import INSTRUCTOR, graded
 
@@ -199,6 +200,10 @@ def _sources(options: Options) -> list[Source]:
         )
     if root.is_relative_to(out):
         raise UsageError(f"{options.submissions} lies in --out {options.out}; give another folder")
+    for path in (root, out, options.settings.tests):
+        place = seen_by_students(path) if options.settings.sandbox != "none" else None
+        if place:
+            raise UsageError(f"{path} lies in {place}, which students' code can read; move it")
     if not any(
         any(options.settings.tests.glob(f"test_{exercise.replace('.', '_')}*.py"))
         for exercise in options.settings.exercises

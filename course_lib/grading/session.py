@@ -13,7 +13,6 @@ import time
 from collections import defaultdict
 from dataclasses import dataclass, field
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 import cv2
@@ -25,7 +24,7 @@ from course_lib.grading.error_hints import hint
 from course_lib.grading.notebook import NbvalKernel, Notebook
 from course_lib.grading.results import Picture, SubmissionResult, TestResult
 from course_lib.grading.rubric import Grade, GradeFailed
-from course_lib.grading.sandbox import places
+from course_lib.grading.scratch import working_folder
 from course_lib.grading.seeds import Seeds
 from course_lib.grading.similarity import of_submission
 from course_lib.grading.student import NotSubmittedError, Student, StudentError
@@ -86,10 +85,9 @@ def grade_one(job: Job, launcher: Launcher) -> SubmissionResult:
     SubmissionResult
     """
     started = time.monotonic()
-    with TemporaryDirectory(prefix="grade-") as scratch:
-        Path(scratch).chmod(0o711)  # a submission's own user must reach its working folder in it
-        submission = stage(Source(job.student, job.paths), Path(scratch) / "staged")
-        plugin = _Grading(job, launcher, submission, Path(scratch), started)
+    with working_folder() as scratch:
+        submission = stage(Source(job.student, job.paths), scratch / "staged")
+        plugin = _Grading(job, launcher, submission, scratch, started)
         try:
             _run_pytest(job, plugin)
         finally:
@@ -124,6 +122,7 @@ def _run_pytest(job: Job, plugin: _Grading) -> None:
         status = pytest.main([*options, "-s", "-p", "nbval.plugin", *paths], plugins=[plugin])
     if status not in {pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED}:
         plugin.events.append(f"the grader's own test run ended with {status!r}")
+    plugin.add_missing()
 
 
 class _Grading:
@@ -145,6 +144,7 @@ class _Grading:
         self._notebooks: dict[str, Notebook] = {}
         self._grades: dict[str, Grade] = {}
         self._students: dict[str, Student] = {}
+        self._collected: list[pytest.Item] = []
 
     def notebook_for_nbval(self, exercise: str) -> Path:
         """Copy a notebook for nbval, away from the submission's other files."""
@@ -158,10 +158,8 @@ class _Grading:
         if exercise not in self._notebooks:
             self.close()  # one exercise at a time holds a kernel
             folder = self._scratch / f"work_{exercise.replace('.', '_')}"
-            shutil.copytree(self.submission.folder, folder)
-            places.lay_out_pictures(folder)
             self._notebooks[exercise] = Notebook(
-                self._launcher, folder, self.limits, self._deadline
+                self._launcher, self.submission.folder, folder, self.limits, self._deadline
             )
         return self._notebooks[exercise]
 
@@ -186,6 +184,19 @@ class _Grading:
             file_path.stem.removeprefix("exercise_").replace("_", "."),
         )
         return file
+
+    def pytest_collection_finish(self, session: pytest.Session) -> None:
+        """Remember which tests there are."""
+        self._collected = [item for item in session.items if not isinstance(item, IPyNbCell)]
+
+    def add_missing(self) -> None:
+        """Give every test that was not reached a result that says so."""
+        there = {result.number for result in self.results}
+        for item in self._collected:
+            worth, number, title = _points(item)
+            if number not in there:
+                told = "This could not be checked; your instructor has been told."
+                self.results.append(TestResult(title, number, 0.0, worth, told, "not_checked"))
 
     @pytest.fixture
     def grade(self, request: pytest.FixtureRequest) -> Grade:
@@ -231,15 +242,13 @@ class _Grading:
         item.parent.timed_out = False  # later cells have a living kernel again
         for picture in notebook.pictures[seen:_SHOWN_PICTURES]:
             scale = min(1.0, _WIDEST / max(picture.shape[:2]))
-            small = cv2.resize(picture, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
+            size = [max(1, round(side * scale)) for side in picture.shape[1::-1]]
+            small = cv2.resize(picture, size, interpolation=cv2.INTER_AREA)
             caption = f"Exercise {item.parent.exercise}, cell {len(notebook.cells)}"
             self.pictures.append(Picture(caption, cv2.imencode(".png", small)[1].tobytes()))
 
     def _result(self, item: pytest.Item, call: pytest.CallInfo[None]) -> TestResult:
-        mark = item.get_closest_marker("points")
-        if mark is None:
-            raise pytest.UsageError(f"{item.nodeid} says nothing about its points")
-        worth, number, title = mark.args
+        worth, number, title = _points(item)
         grade = self._grades.get(item.nodeid) or Grade()
         error = call.excinfo.value if call.excinfo else None
         if isinstance(error, StudentError):
@@ -265,6 +274,14 @@ class _Grading:
             status=status,
             seconds=round(call.duration, 3),
         )
+
+
+def _points(item: pytest.Item) -> tuple[float, str, str]:
+    mark = item.get_closest_marker("points")
+    if mark is None:
+        raise pytest.UsageError(f"{item.nodeid} says nothing about its points")
+    worth, number, title = mark.args
+    return float(worth), str(number), str(title)
 
 
 class _SandboxedFile(IPyNbFile):  # type: ignore[misc]

@@ -8,6 +8,7 @@ looks wrong for the instructor, and an exercise that cannot be graded says why.
 from __future__ import annotations
 
 import hashlib
+import itertools
 import os
 import re
 import shutil
@@ -174,6 +175,7 @@ def stage(source: Source, into: Path) -> Submission:
     paths = {}
     for exercise, best in chosen.items():
         paths[exercise] = folder / f"exercise_{exercise.replace('.', '_')}.ipynb"
+        _make_room(paths[exercise])
         nbformat.write(best.notebook, paths[exercise])  # type: ignore[no-untyped-call]
     return Submission(
         student=source.student,
@@ -221,7 +223,15 @@ def _base(into: Path, chosen: Mapping[str, notebooks.Found], copier: Copier) -> 
             path for path in into.rglob("*") if path.is_dir() and path.name.lower() == "unit4"
         ]
         if candidates and base not in candidates and not base.is_relative_to(candidates[0]):
+            _make_room(package)
             shutil.move(candidates[0], package)
             where = candidates[0].relative_to(into)
             copier.notes.append(f"Your package was found in {clean(str(where), 100)}.")
     return base
+
+
+def _make_room(path: Path) -> None:
+    """Give what has a name that is needed, and is something else than it should be, another."""
+    if path.exists() and (path.is_dir() or path.suffix != ".ipynb"):
+        others = (path.with_name(f"{path.name}.{number}") for number in itertools.count(2))
+        path.rename(next(other for other in others if not other.exists()))

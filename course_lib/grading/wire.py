@@ -21,6 +21,7 @@ MOST_NODES = 200_000
 MOST_DEPTH = 12
 MOST_TEXT = 100_000
 _MOST_DIMENSIONS = 8
+_MOST_KEYS = 2000  # a stranger can choose numbers that all fall into one place of a dict
 _DTYPES = frozenset(
     ["bool", "uint8", "int8", "uint16", "int16", "uint32", "int32", "uint64", "int64"]
     + ["float16", "float32", "float64"]
@@ -119,6 +120,8 @@ class _Encoder:
             kind = "tuple" if isinstance(value, tuple) else "list"
             return {"t": kind, "v": [self.node(item, depth + 1) for item in value]}
         if isinstance(value, dict):
+            if len(value) > _MOST_KEYS:
+                raise BadDataError(f"a dict has more than {_MOST_KEYS} keys")
             pairs = [[self.node(k, depth + 1), self.node(v, depth + 1)] for k, v in value.items()]
             return {"t": "dict", "v": pairs}
         return self._unknown(value)
@@ -222,6 +225,8 @@ class _Decoder:
         return [self.node(item, depth + 1) for item in tree["v"]]
 
     def _dict(self, tree: Mapping[str, Any], depth: int) -> dict[Any, Any]:
+        if len(tree["v"]) > _MOST_KEYS:
+            raise BadDataError("a dict with too many keys")
         pairs = [(self.node(k, depth + 1), self.node(v, depth + 1)) for k, v in tree["v"]]
         return dict(pairs)
 

@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_lib.grading import framing
 from course_lib.grading.messages import Settings, Task, from_message, to_message
-from course_lib.grading.sandbox import Launcher, confine, keeper
+from course_lib.grading.sandbox import Launcher, confine, processes
 from course_lib.grading.scratch import remove
 from course_lib.grading.unchecked import unchecked
 
@@ -286,7 +286,7 @@ def _end_descendants(keep: int | None) -> None:
     start = time.monotonic()
     while time.monotonic() < start + _CLEAN_SECONDS:
         _bury(keep)
-        strays = [pid for pid in keeper.descendants(os.getpid()) if pid != keep]
+        strays = [pid for pid in processes.descendants(os.getpid()) if pid != keep]
         if not strays:
             return
         if time.monotonic() > start + 0.3:

@@ -164,6 +164,9 @@ def _used_wrong_grey(mug, keypoints, descriptors):
     """Tell whether ORB's keypoints are those of the picture with red and blue exchanged."""
     if descriptors.dtype != np.uint8 or descriptors.shape[1] != 32:
         return False
+    # OpenCV looks up what it is told to: numbers that ORB never gives would lead it astray.
+    if not all(0 <= each.octave < 32 and 0 <= each.angle <= 360 for each in keypoints):
+        return False
     orb = cv2.ORB_create(max(len(keypoints), 1))
     red_for_blue = cv2.cvtColor(mug, cv2.COLOR_RGB2GRAY)
     _, described = orb.compute(red_for_blue, keypoints)

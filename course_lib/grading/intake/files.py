@@ -11,10 +11,10 @@ import stat
 import tarfile
 import unicodedata
 import zipfile
-import zlib
 from pathlib import Path, PurePosixPath
 from typing import IO, TYPE_CHECKING, Any
 
+from course_lib.grading.intake.streams import unpacked
 from course_lib.grading.text import clean
 
 if TYPE_CHECKING:
@@ -87,11 +87,9 @@ class Copier:
                 with zipfile.ZipFile(path) as archive:
                     self._zip(archive)
             else:
-                with tarfile.open(path) as tar:
+                with unpacked(path) as stream, tarfile.open(fileobj=stream) as tar:
                     self._tar(tar)
-        except (zipfile.BadZipFile, tarfile.TarError, zlib.error, EOFError, OSError) as error:
-            self._broken(path.name, error)
-        except (ValueError, NotImplementedError, RuntimeError, MemoryError) as error:
+        except Exception as error:  # noqa: BLE001  (a stranger's archive may break any reader of it)
             self._broken(path.name, error)
 
     def _broken(self, name: str, error: Exception) -> None:

@@ -6,7 +6,6 @@ import contextlib
 import json
 import os
 import select
-import shutil
 import signal
 import socket
 import tempfile
@@ -15,10 +14,11 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_lib.grading.sandbox import keeper, places
+from course_lib.grading.sandbox import places, processes
 from course_lib.grading.sandbox.bootstrap import CHANNELS
 from course_lib.grading.sandbox.bubblewrap import Container
 from course_lib.grading.sandbox.watcher import Watcher
+from course_lib.grading.scratch import remove
 
 if TYPE_CHECKING:
     from course_lib.grading.sandbox.limits import Limits
@@ -73,7 +73,8 @@ class Box:
         self._home = Path(tempfile.mkdtemp(prefix="home-"))
         self._container: Container | None = None
         self._answer: socket.socket | None = None
-        self._watcher = Watcher(self._pids, folder, limits, self._exceeded)
+        folders = [folder, self._home]
+        self._watcher = Watcher(self._pids, folders, self._in_memory, limits, self._exceeded)
 
     def start(self, key: str) -> None:
         """Start the kernel.
@@ -103,14 +104,14 @@ class Box:
             "home": home,
             "work": work,
             "environment": environment,
-            "others": 0 if self._uid is not None or inside else _processes_of(os.getuid()),
+            "others": self._others(inside=inside),
         }
         listeners = [self._listen(port) for port in range(1, len(CHANNELS) + 1)]
         self._answer, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         descriptors = [theirs.fileno()]
         try:
             if inside:
-                self._container = Container(self._folder, self._uid)
+                self._container = Container(self._folder, self._uid, self._limits)
                 descriptors.append(self._container.pidfd)
             descriptors += [listener.fileno() for listener in listeners]
             socket.send_fds(self._control, [json.dumps(request).encode()], descriptors)
@@ -124,6 +125,16 @@ class Box:
             for listener in listeners:
                 listener.close()
         self._watcher.start()
+
+    def _others(self, *, inside: bool) -> int:
+        """Count the user's other processes: the system's own limit counts them, too.
+
+        With room to spare, so that a submission that starts many leaves some for its neighbours
+        until the watcher ends it.
+        """
+        if self._uid is not None or inside:
+            return 0
+        return processes.threads_of(os.getuid()) + 2 * self._limits.processes
 
     def _listen(self, port: int) -> socket.socket:
         listener = socket.socket(socket.AF_UNIX)
@@ -139,15 +150,18 @@ class Box:
         self._pid, self._handle = int(json.loads(message)["pid"]), handles[0]
 
     def _pids(self) -> list[int]:
-        if self._container:
-            return self._container.pids()
         if self._pid < 0:
             return []
+        if self._container:
+            kernel = [self._pid, *processes.descendants(self._pid)]
+            return list(dict.fromkeys([*kernel, *self._container.pids()]))
         try:
-            stat = Path(f"/proc/{self._pid}/stat").read_text()
+            return processes.descendants(processes.parent(self._pid))
         except OSError:
             return []
-        return keeper.descendants(int(stat.rpartition(")")[2].split()[1]))
+
+    def _in_memory(self) -> list[str]:
+        return self._container.in_memory() if self._container else []
 
     def _exceeded(self, what: str) -> None:
         self.events.append(what)
@@ -199,7 +213,7 @@ class Box:
             self._container.close()
             self._container = None
         for folder in (self._sockets, self._home):
-            shutil.rmtree(folder, ignore_errors=True)
+            remove(folder)
 
 
 def _give(folder: Path, uid: int) -> None:
@@ -208,16 +222,3 @@ def _give(folder: Path, uid: int) -> None:
         os.chown(parent, uid, uid)
         for name in names:
             os.lchown(os.path.join(parent, name), uid, uid)  # noqa: PTH118
-
-
-def _processes_of(uid: int) -> int:
-    """Count a user's threads: the limit on processes counts those of the grader too."""
-    total = 0
-    for entry in os.scandir("/proc"):
-        if entry.name.isdigit():
-            with contextlib.suppress(OSError, ValueError, IndexError):
-                if entry.stat().st_uid == uid:
-                    total += int(
-                        Path(entry.path, "stat").read_text().rpartition(")")[2].split()[17]
-                    )
-    return total

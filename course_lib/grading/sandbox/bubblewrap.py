@@ -14,15 +14,21 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import select
 import shutil
 import signal
 import subprocess
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from course_lib.grading.sandbox import places
+from course_lib.grading.sandbox import confine, places, processes
+
+if TYPE_CHECKING:
+    from course_lib.grading.sandbox.limits import Limits
 
 _START_SECONDS = 10
-_ROOT = 0
+_END_SECONDS = 10
+_IN_MEMORY = (("/dev/shm", 64), ("/tmp", 128), (places.HOME, 64))  # noqa: S108  (MiB at most)
 
 
 class Container:
@@ -34,6 +40,9 @@ class Container:
         What appears, writable, as the working folder.
     uid : int or None
         The user id of the student's processes, when run by root.
+    limits : Limits
+        Without a user id of their own the student's processes can rewrite the container's: these
+        are bound as they are.
 
     Raises
     ------
@@ -41,31 +50,40 @@ class Container:
         When bubblewrap cannot make it.
     """
 
-    def __init__(self, folder: Path, uid: int | None) -> None:
+    def __init__(self, folder: Path, uid: int | None, limits: Limits) -> None:
         # The command tells when the mounts are made; bubblewrap's own report comes before them.
         info_out, info_in = os.pipe()
-        command = ["bwrap", *_arguments(folder, uid), "--info-fd", str(info_in), "--"]
+        filter_out, filter_in = os.pipe()
+        with os.fdopen(filter_in, "wb") as program:
+            program.write(confine.denying(local_only=False))
+        command = ["bwrap", *_arguments(folder, uid), "--info-fd", str(info_in)]
+        command += ["--seccomp", str(filter_out), "--"]
         command += ["/bin/sh", "-c", "echo; exec sleep infinity >/dev/null 2>&1"]
         self._process = subprocess.Popen(  # noqa: S603
             command,
-            pass_fds=(info_in,),
+            pass_fds=(info_in, filter_out),
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             env={"PATH": "/usr/bin:/bin"},
         )
         os.close(info_in)
+        os.close(filter_out)
         with os.fdopen(info_out, "rb") as info:
             if self._process.stdout is None or self._process.stdout.read(1) != b"\n":
                 _, complaint = self._process.communicate(timeout=_START_SECONDS)
                 raise OSError(f"bubblewrap failed: {complaint.decode(errors='replace').strip()}")
             self.first_pid = int(json.loads(info.read())["child-pid"])
         self.pidfd = os.pidfd_open(self.first_pid)
+        for pid in [self.first_pid, *self.pids()]:
+            confine.set_limits(limits, limits.processes, pid)
 
     def end(self) -> None:
         """Kill everything in the container and wait until it is gone."""
         with contextlib.suppress(ProcessLookupError):
             signal.pidfd_send_signal(self.pidfd, signal.SIGKILL)
+            # It is gone when all in its space are, also those that it never started.
+            select.select([self.pidfd], [], [], _END_SECONDS)
         self._process.kill()
         self._process.communicate()
 
@@ -74,19 +92,12 @@ class Container:
         os.close(self.pidfd)
 
     def pids(self) -> list[int]:
-        """List the processes in the container, without its own two."""
-        mine = Path(f"/proc/{self.first_pid}/ns/pid")
-        try:
-            space = mine.readlink()
-        except OSError:
-            return []
-        found = []
-        for entry in os.scandir("/proc"):
-            if entry.name.isdigit():
-                with contextlib.suppress(OSError):
-                    if Path(f"/proc/{entry.name}/ns/pid").readlink() == space:
-                        found.append(int(entry.name))
-        return [pid for pid in found if pid != self.first_pid]
+        """List the container's processes, without its first, which adopts who loses a parent."""
+        return processes.descendants(self.first_pid)
+
+    def in_memory(self) -> list[str]:
+        """List the container's file systems in memory, as seen from outside."""
+        return [f"/proc/{self.first_pid}/root{path}" for path, _ in _IN_MEMORY]
 
 
 def _arguments(folder: Path, uid: int | None) -> list[str]:
@@ -106,7 +117,8 @@ def _arguments(folder: Path, uid: int | None) -> list[str]:
         else:
             mounts += ["--ro-bind", str(place.resolve()), str(place)]
     mounts += ["--proc", "/proc", "--dev", "/dev"]
-    for path, size in (("/dev/shm", 64), ("/tmp", 128), (places.HOME, 64)):  # noqa: S108
+    mounts += ["--ro-bind", "/dev/null", "/dev/zero"]  # mapped, it is memory that nobody counts
+    for path, size in _IN_MEMORY:
         mounts += ["--perms", "1777", "--size", str(size * 2**20), "--tmpfs", path]
     for part in places.course():
         mounts += ["--ro-bind", str(part), str(part)]

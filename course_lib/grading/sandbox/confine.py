@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import os
 import platform
 import resource
 import struct
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -57,12 +59,31 @@ _DENIED = {
     "acct": (163, 89),
     "quotactl": (179, 60),
     "personality": (135, 92),
+    "syslog": (103, 116),
+    "io_setup": (206, 0),
+    "kcmp": (312, 272),
+    "pidfd_getfd": (438, 438),
+    "process_madvise": (440, 440),
+    "migrate_pages": (256, 238),
+    "move_pages": (279, 239),
+    "ioprio_set": (251, 30),
     "clone3": (435, 435),  # its flags cannot be looked at; libraries fall back to clone
 }
 _MACHINES = {"x86_64": (0, 0xC000003E), "aarch64": (1, 0xC00000B7)}
-_CLONE, _SOCKET = (56, 220), (41, 198)
+# Calls that a process may make for itself or without harm: the argument that must be 0.
+_FOR_ITSELF = {
+    "prlimit64": ((302, 261), 0),
+    "sched_setaffinity": ((203, 122), 0),
+    "sched_setparam": ((142, 118), 0),
+    "sched_setscheduler": ((144, 119), 1),  # the usual policy; threads of libraries ask for it
+    "sched_setattr": ((314, 274), 0),
+    "setpriority": ((141, 140), 0),  # of one process, not of a group or a user
+    "setpriority ": ((141, 140), 1),
+}
+_CLONE, _SOCKET, _PAIR, _CONNECT, _MMAP = (56, 220), (41, 198), (53, 199), (42, 203), (9, 222)
 _NEW_NAMESPACES = 0x7E020000
-_AF_UNIX = 1
+_AF_UNIX, _STREAM, _SEQUENCE, _TYPE = 1, 1, 5, 0x0F
+_SHARED, _ANONYMOUS, _HUGE = 1, 0x20, 0x40000
 _ALLOW, _ERROR, _KILL = 0x7FFF0000, 0x00050000, 0x80000000
 _ENOSYS, _EPERM, _EAFNOSUPPORT = 38, 1, 97
 
@@ -89,16 +110,21 @@ def give_up_powers() -> None:
         raise OSError(ctypes.get_errno(), "cannot set no_new_privs")
 
 
-def set_limits(limits: Limits, processes: int) -> None:
-    """Limit what this process, and each that it starts, may use.
+def set_limits(limits: Limits, processes: int, pid: int = 0) -> None:
+    """Limit what a process, and each that it starts, may use.
 
     Parameters
     ----------
     limits : Limits
     processes : int
         Most processes of its user.
+    pid : int, optional
+        Default: this process.
     """
+    pages = int(Path(f"/proc/{pid or 'self'}/statm").read_bytes().split()[0])
     values = {
+        # Addresses alone cost tables; libraries reserve far more of them than they use.
+        resource.RLIMIT_AS: pages * resource.getpagesize() + 4 * limits.memory_bytes,
         resource.RLIMIT_DATA: limits.memory_bytes,
         resource.RLIMIT_CPU: int(limits.cpu_s) + 1,
         resource.RLIMIT_NPROC: processes,
@@ -109,9 +135,15 @@ def set_limits(limits: Limits, processes: int) -> None:
         resource.RLIMIT_MEMLOCK: 0,
     }
     for kind, value in values.items():
-        _, hard = resource.getrlimit(kind)
+        _, hard = resource.prlimit(pid, kind)
         value = value if hard == resource.RLIM_INFINITY else min(value, hard)  # noqa: PLW2901
-        resource.setrlimit(kind, (value, value))
+        resource.prlimit(pid, kind, (value, value))
+
+
+def be_first_to_go() -> None:
+    """When memory runs out, the system is to end this process and its children, not a neighbour."""
+    with contextlib.suppress(OSError):
+        Path("/proc/self/oom_score_adj").write_text("500", "ascii")
 
 
 def become_subreaper() -> None:
@@ -159,12 +191,29 @@ def deny_calls(*, local_only: bool) -> None:
     Parameters
     ----------
     local_only : bool
-        Also refuse every socket that could leave the machine.
+        Also refuse every socket that could leave the process and what it starts.
 
     Raises
     ------
     OSError
         When the system refuses, or for a machine whose calls are not known here.
+    """
+    program = denying(local_only=local_only)
+    code = ctypes.create_string_buffer(program)
+    filter_ = ctypes.create_string_buffer(
+        struct.pack("HxxxxxxP", len(program) // 8, ctypes.addressof(code))
+    )
+    if _libc.prctl(_PR_SET_SECCOMP, 2, ctypes.byref(filter_), 0, 0):
+        raise OSError(ctypes.get_errno(), "cannot filter system calls")
+
+
+def denying(*, local_only: bool) -> bytes:
+    """Give the filter of `deny_calls`, as the system takes it.
+
+    Raises
+    ------
+    OSError
+        For a machine whose calls are not known here.
     """
     if platform.machine() not in _MACHINES:
         raise OSError(f"no list of system calls for {platform.machine()}")
@@ -176,36 +225,42 @@ def deny_calls(*, local_only: bool) -> None:
     def jump(code: int, value: int, yes: int, no: int) -> bytes:
         return struct.pack("HBBI", code, yes, no, value)
 
-    load, equal, at_least, any_bit, answer = 0x20, 0x15, 0x35, 0x45, 0x06
+    def argument(number: int) -> bytes:  # its lower half
+        return statement(load, 16 + 8 * number)
+
+    def of(numbers: tuple[int, int], *checks: bytes) -> list[bytes]:
+        """Do some checks for one call; whatever they load, the call's number is loaded after."""
+        return [jump(equal, numbers[column], 0, len(checks) + 1), *checks, statement(load, 0)]
+
+    load, equal, at_least, any_bit, keep, answer = 0x20, 0x15, 0x35, 0x45, 0x54, 0x06
+    refuse = statement(answer, _ERROR | _EPERM)
     program = [
         statement(load, 4),
         jump(equal, architecture, 1, 0),
         statement(answer, _KILL),
         statement(load, 0),
         jump(at_least, 0x40000000, 0, 1),  # the x32 way around the numbers below
-        statement(answer, _ERROR | _EPERM),
+        refuse,
     ]
     for name, numbers in _DENIED.items():
         error = _ENOSYS if name == "clone3" else _EPERM
         program += [jump(equal, numbers[column], 0, 1), statement(answer, _ERROR | error)]
-    program += [
-        jump(equal, _CLONE[column], 0, 3),
-        statement(load, 16),
-        jump(any_bit, _NEW_NAMESPACES, 0, 1),
-        statement(answer, _ERROR | _EPERM),
-    ]
+    for numbers, number in _FOR_ITSELF.values():
+        program += of(numbers, argument(number), jump(equal, 0, 1, 0), refuse)
+    program += of(_CLONE, argument(0), jump(any_bit, _NEW_NAMESPACES, 0, 1), refuse)
+    # Memory that is shared but in no file belongs to nobody, once its pages are let go.
+    shared = [statement(keep, _ANONYMOUS | _SHARED), jump(equal, _ANONYMOUS | _SHARED, 0, 1)]
+    huge = [argument(3), jump(any_bit, _HUGE, 0, 1), refuse]
+    program += of(_MMAP, *huge, argument(3), *shared, refuse)
     if local_only:
-        program += [
-            statement(load, 0),
-            jump(equal, _SOCKET[column], 0, 3),
-            statement(load, 16),
-            jump(equal, _AF_UNIX, 1, 0),
-            statement(answer, _ERROR | _EAFNOSUPPORT),  # libraries know this one: old machines
-        ]
+        # Without namespaces of its own it could reach every service that listens on a path.
+        unknown = statement(answer, _ERROR | _EAFNOSUPPORT)  # libraries know it: old machines
+        local = [argument(0), jump(equal, _AF_UNIX, 1, 0), unknown]
+        # What needs no connection needs no permission to connect either.
+        connected = [argument(1), statement(keep, _TYPE), jump(equal, _STREAM, 2, 0)]
+        connected += [jump(equal, _SEQUENCE, 1, 0), refuse]
+        program += of(_SOCKET, *local, *connected)
+        program += of(_PAIR, *local, *connected)
+        program += of(_CONNECT, refuse)
     program.append(statement(answer, _ALLOW))
-    code = ctypes.create_string_buffer(b"".join(program))
-    filter_ = ctypes.create_string_buffer(
-        struct.pack("HxxxxxxP", len(program), ctypes.addressof(code))
-    )
-    if _libc.prctl(_PR_SET_SECCOMP, 2, ctypes.byref(filter_), 0, 0):
-        raise OSError(ctypes.get_errno(), "cannot filter system calls")
+    return b"".join(program)

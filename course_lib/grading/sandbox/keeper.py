@@ -15,6 +15,7 @@ from typing import Any
 
 from course_lib.grading.sandbox import bootstrap, confine, places
 from course_lib.grading.sandbox.limits import Limits
+from course_lib.grading.sandbox.processes import descendants
 
 
 def start(request: dict[str, Any], descriptors: list[int], answer: socket.socket) -> None:
@@ -89,6 +90,7 @@ def _run_kernel(
         os.environ.update(request["environment"])
         os.chdir(request["work"])
         sandboxed = request["sandbox"] != "none"
+        confine.be_first_to_go()
         if request["sandbox"] == "sandlock":
             _landlock(request["work"], request["home"])
         if sandboxed:
@@ -122,7 +124,7 @@ def _landlock(work: str, home: str) -> None:
     import sandlock  # noqa: PLC0415  (its library is loaded where it is used)
 
     readable = [*places.readable(), *places.course(), Path("/proc/self"), Path("/dev/urandom")]
-    readable += [Path(p) for p in ("/dev/zero", "/dev/random", "/proc/cpuinfo", "/proc/meminfo")]
+    readable += [Path(p) for p in ("/dev/random", "/proc/cpuinfo", "/proc/meminfo")]
     writable = [work, home, "/dev/null"]
     sandlock.confine(
         sandlock.Sandbox(
@@ -138,7 +140,7 @@ def _guard(answer: socket.socket) -> None:
             os.close(standard)
     answer.recv(1)
     mine = os.getpid()
-    for _ in range(1000):
+    for _ in range(5000):
         strays = descendants(mine)
         for pid in strays:
             with contextlib.suppress(OSError):
@@ -151,20 +153,3 @@ def _guard(answer: socket.socket) -> None:
         time.sleep(0.002)
     answer.close()
     sys.exit(0)
-
-
-def descendants(pid: int) -> list[int]:
-    """List the living processes that a process has started, directly or not."""
-    parents: dict[int, list[int]] = {}
-    for entry in os.scandir("/proc"):
-        if entry.name.isdigit():
-            with contextlib.suppress(OSError, ValueError):
-                fields = Path(f"/proc/{entry.name}/stat").read_text().rpartition(")")[2].split()
-                if fields[0] not in "ZX":
-                    parents.setdefault(int(fields[1]), []).append(int(entry.name))
-    found, waiting = [], [pid]
-    while waiting:
-        children = parents.get(waiting.pop(), [])
-        found += children
-        waiting += children
-    return found

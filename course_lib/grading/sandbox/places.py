@@ -18,21 +18,41 @@ _HIDDEN = ("grading", "scenes", "scenes.py")
 _HIDDEN_PICTURES = "heldout"
 _PICTURES = "images"
 _EXERCISE_PICTURES = ("ROS.png", "ROS2.png", "flight.bag")
+_PACKAGES = {"site-packages", "dist-packages"}
 
 
 def readable() -> list[Path]:
-    """List the folders of the system and of the interpreter, none within another."""
+    """List the folders of the system and of the interpreter, none within another.
+
+    The course may itself lie in one of them, as ``/usr/src/course`` does; then they are listed
+    without the folder that holds its tests, its solutions and its held-out pictures.
+    """
     found: list[Path] = []
     places = [*_SYSTEM, *_SETTINGS, sys.base_prefix, sys.prefix, *_packages()]
     for place in sorted({Path(p) for p in places if Path(p).exists()}, key=lambda p: len(p.parts)):
         if not any(place.is_relative_to(known) for known in found):
             found.append(place)
-    return found
+    secret = COURSE if COURSE.parent.name in _PACKAGES else COURSE.parent
+    return [part for place in found for part in _without(place, secret)]
+
+
+def _without(place: Path, secret: Path) -> list[Path]:
+    """List what is in a folder, as whole as possible, but for what is secret."""
+    if not secret.is_relative_to(place.resolve()):
+        return [place]
+    if place.resolve() == secret or place.is_symlink():
+        return []
+    return [part for child in sorted(place.iterdir()) for part in _without(child, secret)]
+
+
+def seen_by_students(path: Path) -> Path | None:
+    """Tell which of the places that students' code can read a path lies in, if any."""
+    return next((p for p in readable() if path.resolve().is_relative_to(p.resolve())), None)
 
 
 def _packages() -> list[str]:
     """List the folders of installed packages; some may lie outside the interpreter's own."""
-    return [path for path in sys.path if Path(path).name in {"site-packages", "dist-packages"}]
+    return [path for path in sys.path if Path(path).name in _PACKAGES]
 
 
 def course() -> list[Path]:
