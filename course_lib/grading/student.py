@@ -257,9 +257,9 @@ class Student:
 
     def _request(self, what: str, operation: str, arguments: object, seconds: float) -> Any:  # noqa: ANN401
         tree, buffers = wire.encode(arguments)
-        deadline = time.monotonic() + min(seconds, self._notebook.seconds_left())
         try:
-            channel = self._notebook.channel()
+            channel = self._notebook.channel()  # a new kernel first executes the cells again
+            deadline = time.monotonic() + min(seconds, self._notebook.seconds_left())
             request = channel.send(
                 agent.REQUEST, {"operation": operation, "arguments": tree}, buffers
             )
