@@ -11,7 +11,7 @@ OUT ?= grades
 BENCHES = $(sort $(wildcard tests/bench/bench_*.py))
 
 .DEFAULT_GOAL := help
-.PHONY: help lab test lint test-opencv4 bench site grade notebooks release images system lock clean
+.PHONY: help lab test lint test-opencv4 bench site grade notebooks release flight images system lock clean
 
 help: ## list these targets
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / {printf "  make %-14s %s\n", $$1, $$2}' $(firstword $(MAKEFILE_LIST))
@@ -48,6 +48,9 @@ notebooks: $(READY) ## execute the notebooks and store their outputs, as CI expe
 release: $(READY) ## make exercises/ from solutions/, and build/students.zip
 	@mkdir -p build
 	$(RUN) -m course_lib.grading.release --bundle build/students.zip
+
+flight: $(READY) ## write the recorded flight for `rosbag play`, into build/flight_raw.bag
+	$(RUN) -m course_lib.real_ros.raw build/flight_raw.bag
 
 images: .venv-render/.ready ## render every picture and flight again (Python 3.11; hours on two cores)
 	.venv-render/bin/python images/render/render_all.py

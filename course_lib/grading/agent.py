@@ -133,10 +133,11 @@ def _run_node(
     remap: dict[str, str],
     files: dict[str, bytes],
     timeout: float,
+    ros: bool,  # noqa: FBT001  (arguments come by name)
 ) -> dict[str, object]:
     """Run a ROS node on some pictures, in a process of its own; say what it published."""
     for name, data in files.items():
         target = Path(name)
         target.parent.mkdir(parents=True, exist_ok=True)
         target.write_bytes(data)
-    return node_run.run(path, stamps, frames, topic, params, remap, timeout)
+    return node_run.run(path, stamps, frames, topic, params, remap, timeout, ros=ros)

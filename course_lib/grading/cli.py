@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 EXERCISES = ("4.1", "4.2")
 TESTS = Path(__file__).resolve().parents[2] / "tests" / "hidden"
 _USAGE, _INTERRUPTED = 2, 130
+_ROS_PROCESSES = 192  # and threads: ROS's own are many
 _BYTES = {"": 1, "k": 2**10, "m": 2**20, "g": 2**30, "t": 2**40}
 
 _DESCRIPTION = """\
@@ -82,6 +83,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="only for code that you trust: it can do whatever you can",
     )
+    add(
+        "--ros",
+        action="store_true",
+        help="run the ROS packages on real ROS, by roslaunch (needs bubblewrap; slower)",
+    )
     limits = parser.add_argument_group("what a submission may use")
     add = limits.add_argument
     add("--timeout", type=_seconds, metavar="S", help="seconds in all (300)")
@@ -131,9 +137,12 @@ def _prepare(args: argparse.Namespace) -> tuple[Options, Backend]:
         "call_s": args.call_timeout,
         "memory_bytes": args.memory,
     }
+    if args.ros:
+        _must_have_ros(args)
+        wanted["processes"] = _ROS_PROCESSES
     limits = Limits(**{name: value for name, value in wanted.items() if value is not None})
     secret = _secret(args)
-    sandbox = "none" if args.no_sandbox else args.sandbox
+    sandbox = "none" if args.no_sandbox else args.sandbox or ("bubblewrap" if args.ros else None)
     cluster = Cluster(args.scheduler) if args.scheduler else None
     settings = Settings(
         seed=secret,
@@ -142,6 +151,7 @@ def _prepare(args: argparse.Namespace) -> tuple[Options, Backend]:
         sandbox=cluster.choose(sandbox) if cluster else choose(sandbox),
         limits=limits,
         grade=args.grade or GRADE,
+        ros=args.ros,
     )
     if args.no_sandbox:
         print("course grade: WITHOUT A SANDBOX: this code can do whatever you can", file=sys.stderr)  # noqa: T201
@@ -156,6 +166,18 @@ def _prepare(args: argparse.Namespace) -> tuple[Options, Backend]:
         cluster.settings = settings
         return options, cluster
     return options, Pool(settings, args.workers or usable_cpus())
+
+
+def _must_have_ros(args: argparse.Namespace) -> None:
+    from course_lib.grading.runner import UsageError  # noqa: PLC0415
+    from course_lib.real_ros import complaint  # noqa: PLC0415
+
+    if problem := complaint():
+        raise UsageError(f"--ros: {problem}")
+    if args.sandbox == "sandlock":
+        raise UsageError("--ros needs bubblewrap: sandlock leaves no network that ROS could use")
+    if args.scheduler:
+        raise UsageError("--ros grades on this machine only, without --scheduler")
 
 
 def _secret(args: argparse.Namespace) -> bytes:

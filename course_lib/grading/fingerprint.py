@@ -47,7 +47,8 @@ class Fingerprints:
             settings.seed, salt=b"course fingerprint", n=2**14, r=8, p=1, dklen=32
         )
         shared = hashlib.blake2b(key=self._key)
-        for part in (settings.exercises, settings.sandbox, asdict(settings.limits), settings.grade):
+        way = (settings.exercises, settings.sandbox, asdict(settings.limits), settings.grade)
+        for part in (*way, settings.ros):
             _add(shared, repr(part).encode())
         _add(shared, library().encode())
         for name, line in _lines(settings.tests):

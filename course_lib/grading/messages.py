@@ -38,6 +38,8 @@ class Settings:
         How long after ``limits.wall_s`` the grading itself is given up.
     own_bytes : int
         Memory of the grader's own part of grading one submission; it needs a tenth.
+    ros : bool
+        Whether students' nodes run on real ROS instead of `offline_ros`.
     """
 
     seed: bytes = field(repr=False)
@@ -48,6 +50,7 @@ class Settings:
     grade: str = GRADE
     grace_s: float = 60.0
     own_bytes: int = 6 * 2**30
+    ros: bool = False
 
     def to_data(self) -> dict[str, Any]:
         """Give JSON's own types."""
@@ -105,6 +108,7 @@ class Task:
             exercises=settings.exercises,
             tests=settings.tests,
             fingerprint=self.fingerprint,
+            ros=settings.ros,
         )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from functools import reduce
 from pathlib import Path
@@ -14,6 +15,7 @@ import numpy as np
 from course_lib.offline_ros import NodeError, OfflineRosError, run_node
 from course_lib.offline_ros.messages import message_class
 from course_lib.offline_ros.recorder import Recorder
+from course_lib.real_ros import RosError, run_launch
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -35,10 +37,14 @@ def run(
     params: dict[str, Any],
     remap: dict[str, str],
     timeout: float,
+    *,
+    ros: bool = False,
 ) -> dict[str, object]:
     """Run a node on pictures, as plain data.
 
     An exception in a callback is logged and costs its picture only, as on a robot.
+
+    Here, and nowhere else, it is decided on what a node runs.
 
     Parameters
     ----------
@@ -57,6 +63,8 @@ def run(
         Names to use in place of others.
     timeout : float
         Seconds.
+    ros : bool, optional
+        Whether it runs on real ROS, started by roslaunch, instead of on `offline_ros`.
 
     Returns
     -------
@@ -71,18 +79,25 @@ def run(
         _write_bag(bag, stamps, frames, topic)
         recording: Recording | None
         try:
-            recording = run_node(
-                path,
-                bag=bag,
-                params=_with_folders(params),
-                remap=remap,
-                timeout=timeout,
-                stall=timeout,
-                keep_going=True,
-            )
+            if ros:
+                node = Path(path)
+                launch = _launch_file(node, Path(folder), named=bool(params or remap))
+                recording = run_launch(
+                    _package(node), launch, bag=bag, keep_going=True, timeout=timeout, home="."
+                )
+            else:
+                recording = run_node(
+                    path,
+                    bag=bag,
+                    params=_with_folders(params),
+                    remap=remap,
+                    timeout=timeout,
+                    stall=timeout,
+                    keep_going=True,
+                )
         except NodeError as failure:
             recording, error = failure.recording, f"{failure}\n{failure.traceback}"
-        except (OfflineRosError, OSError, ValueError) as failure:
+        except (OfflineRosError, RosError, OSError, ValueError) as failure:
             recording, error = None, str(failure)
     topics = {name: list(_values(recording, name)) for name in recording or ()}
     return {
@@ -92,6 +107,30 @@ def run(
         "error": error and error[-_MOST_LOG:],
         "log": recording.output[-_MOST_LOG:] if recording else "",
     }
+
+
+def _package(node: Path) -> Path:
+    return Path.cwd() / node.parts[0]
+
+
+def _launch_file(node: Path, folder: Path, *, named: bool) -> Path:
+    """Give the launch file that starts a node on real ROS.
+
+    The student's own, if what it names is asked for, or if it names nothing; else one that starts
+    the node by itself.
+    """
+    package = _package(node)
+    own = package / "launch" / f"{node.stem}.launch"
+    text = own.read_text(errors="replace") if own.is_file() else "<param"
+    if named or not any(tag in text for tag in ("<param", "<rosparam", "<remap")):
+        return own
+    manifest = (package / "package.xml").read_text(errors="replace")
+    found = re.search(r"<name>\s*([\w-]+)\s*</name>", manifest)
+    name = found[1] if found else package.name
+    line = f'<node pkg="{name}" type="{node.name}" name="{node.stem}" output="screen"/>'
+    bare = folder / own.name
+    bare.write_text(f"<launch>{line}</launch>")
+    return bare
 
 
 def _with_folders(params: dict[str, Any]) -> dict[str, Any]:

@@ -60,6 +60,8 @@ class Job:
         The folder of hidden tests; `test_4_1*.py` are those of Exercise 4.1.
     fingerprint : str
         Goes into the result as it is.
+    ros : bool
+        Whether its nodes run on real ROS instead of `offline_ros`.
     """
 
     student: str
@@ -68,6 +70,7 @@ class Job:
     exercises: tuple[str, ...]
     tests: Path
     fingerprint: str = ""
+    ros: bool = False
 
 
 def grade_one(job: Job, launcher: Launcher) -> SubmissionResult:
@@ -216,7 +219,9 @@ class _Grading:
             reason = self.submission.problems.get(exercise)
             raise NotSubmittedError(reason or f"There is no notebook of Exercise {exercise}.")
         if exercise not in self._students:
-            self._students[exercise] = Student(self.open_notebook(exercise), self.limits.call_s)
+            self._students[exercise] = Student(
+                self.open_notebook(exercise), self.limits.call_s, ros=self.job.ros
+            )
         return self._students[exercise]
 
     @pytest.hookimpl(wrapper=True)

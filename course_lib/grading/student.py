@@ -124,6 +124,8 @@ class Student:
         The notebook, which has been executed; it starts its kernel anew when that dies.
     call_s : float
         Seconds that one call may take.
+    ros : bool, optional
+        Whether its nodes run on real ROS.
 
     Attributes
     ----------
@@ -133,7 +135,8 @@ class Student:
         What the notebook drew, BGR uint8 (height, width, 3).
     """
 
-    def __init__(self, notebook: Notebook, call_s: float) -> None:
+    def __init__(self, notebook: Notebook, call_s: float, *, ros: bool = False) -> None:
+        self._ros = ros
         self.cells = notebook.cells
         self.pictures = notebook.pictures
         self._notebook = notebook
@@ -242,6 +245,7 @@ class Student:
             "remap": dict(remap or {}),
             "files": dict(files or {}),
             "timeout": timeout,
+            "ros": self._ros,
         }
         found = self._request(path, "run_node", arguments, timeout + 10)
         try:

@@ -26,7 +26,8 @@ class Ros:
     package_path : str or Path, optional
         A folder that holds ROS packages, as `ROS_PACKAGE_PATH` names them.
     home : str or Path, optional
-        The folder where nodes run, and where they save what they save. Default: a temporary one.
+        The folder where nodes run, and where they save what they save; `$(env HOME)` is this folder
+        too. Default: a temporary one.
     sim_time : bool, optional
         Whether nodes go by the clock that a recording's player publishes, as `use_sim_time` says.
 
@@ -56,6 +57,8 @@ class Ros:
         self.home = Path(self._home or self._folder.name).resolve()
         port = _free_port()
         self.environment = environment(self.home, port, [self._package_path])
+        if self._home:
+            self.environment["HOME"] = str(self.home)
         self.environment["ROS_LOG_DIR"] = str(Path(self._folder.name, "log"))
         try:
             core = self.start("roscore", "-p", str(port))
@@ -90,7 +93,7 @@ class Ros:
         """Set a parameter, by its full name."""
         self._master().setParam("/course", name, value)
 
-    def start(self, *command: str, feed: bool = False, **environment: str) -> Program:
+    def start(self, *command: str, feed: bool = False) -> Program:
         """Start a program on this master.
 
         Parameters
@@ -98,8 +101,6 @@ class Ros:
         *command : str
         feed : bool, optional
             Whether it gets a pipe to read from.
-        **environment : str
-            Added to its environment.
 
         Returns
         -------
@@ -110,8 +111,9 @@ class Ros:
         found = shutil.which(command[0], path=self.environment["PATH"])
         if found is None:
             raise RosError(f"there is no program {command[0]}")
-        everything = self.environment | environment
-        program = Program([found, *command[1:]], everything, printed, cwd=self.home, feed=feed)
+        program = Program(
+            [found, *command[1:]], self.environment, printed, cwd=self.home, feed=feed
+        )
         self._programs.append(program)
         return program
 

@@ -33,7 +33,7 @@ _DIED = re.compile(r"\[(\S+?)(?:-\d+)?\] process has died \[pid \d+, exit code (
 
 def run_launch(
     package: str | Path,
-    launch: str,
+    launch: str | Path,
     *,
     bag: str | Path = "flight.bag",
     arguments: Mapping[str, str] | None = None,
@@ -52,8 +52,8 @@ def run_launch(
     ----------
     package : str or Path
         The package's folder, such as ``solutions/unit4``.
-    launch : str
-        The launch file's name, in the package's folder ``launch``.
+    launch : str or Path
+        The launch file's name, in the package's folder ``launch``; or a path.
     bag : str or Path, optional
         A ROS 1 or ROS 2 bag, by path or by the course's name for it.
     arguments : mapping of str to str, optional
@@ -68,7 +68,7 @@ def run_launch(
     timeout : float, optional
         Wall seconds after which it is stopped.
     home : str or Path, optional
-        Where the nodes run. Default: a temporary folder.
+        Where the nodes run; `$(env HOME)` is this folder too. Default: a temporary one.
 
     Returns
     -------
@@ -86,7 +86,9 @@ def run_launch(
     RosError
         When ROS is not installed or itself fails.
     """
+    began = time.monotonic()
     folder = Path(package).resolve()
+    file = folder / "launch" / launch
     source = BagSource(bag, topics=topics, max_frames=max_frames)
     scratch = TemporaryDirectory(prefix="real_ros_")
     record = Path(scratch.name, "recording.bag")
@@ -94,36 +96,37 @@ def run_launch(
     options += [f"--keep={topic}" for topic in keep or ()]
     options += ["--keep-going"] * keep_going
     with Ros(folder.parent, home=home, sim_time=True) as ros:
-        target = _with_params(ros, folder, launch, params or {}, Path(scratch.name))
+        target = _with_params(ros, file, params or {}, Path(scratch.name))
         given = [f"{name}:={value}" for name, value in (arguments or {}).items()]
         player = ros.start(str(PYTHON), str(_PLAYER), *options, feed=True)
         threading.Thread(target=_feed, args=(source, player), daemon=True).start()
-        nodes = ros.start("roslaunch", "--screen", "--sigint-timeout=3", *target, *given)
-        problem = _watch(player, nodes, timeout)
+        quickly = ("--screen", "--skip-log-check", "--sigint-timeout=3")
+        nodes = ros.start("roslaunch", *quickly, str(target), *given)
+        problem = _watch(player, nodes, began + timeout)
+        if problem:
+            problem = f"{problem} after {timeout:g} s"
         status, output = nodes.end(), nodes.output
-    return _judge(record, scratch, output, problem or _failure(status, output, launch))
+    return _judge(record, scratch, output, problem or _failure(status, output, file.name))
 
 
-def _with_params(
-    ros: Ros, folder: Path, launch: str, params: Mapping[str, Any], scratch: Path
-) -> list[str]:
-    """Give roslaunch's arguments, for a file that sets the nodes' parameters last if need be."""
+def _with_params(ros: Ros, file: Path, params: Mapping[str, Any], scratch: Path) -> Path:
+    """Give a launch file that sets the nodes' parameters last; the same if there are none."""
     if not params:
-        return [folder.name, launch]
-    listing = ros.start("roslaunch", "--nodes", folder.name, launch)
+        return file
+    listing = ros.start("roslaunch", "--nodes", str(file))
     if listing.wait(60):
-        raise NodeError(f"{folder.name}/launch/{launch} does not start", traceback=listing.output)
+        raise NodeError(f"{file.name} does not start", traceback=listing.output)
     names = [line.strip() for line in listing.output.splitlines() if line.startswith("/")]
     # Of what sets a parameter twice, roslaunch takes the last.
-    lines = [f"<include file={quoteattr(str(folder / 'launch' / launch))} pass_all_args='true'/>"]
+    lines = [f"<include file={quoteattr(str(file))} pass_all_args='true'/>"]
     lines += [
         f"<rosparam param={quoteattr(f'{node}/{name}')}>{escape(json.dumps(value))}</rosparam>"
         for node in names
         for name, value in params.items()
     ]
-    wrapper = scratch / launch
+    wrapper = scratch / file.name
     wrapper.write_text("\n".join(["<launch>", *lines, "</launch>", ""]))
-    return [str(wrapper)]
+    return wrapper
 
 
 def _feed(source: BagSource, player: Program) -> None:
@@ -141,16 +144,15 @@ def _feed(source: BagSource, player: Program) -> None:
         pipe.close()
 
 
-def _watch(player: Program, nodes: Program, timeout: float) -> str:
+def _watch(player: Program, nodes: Program, deadline: float) -> str:
     """Wait until the player has finished; say what kept it from it."""
-    deadline = time.monotonic() + timeout
     while player.status is None:
         if nodes.status is not None:
             player.end(signal.SIGINT)  # nobody is left to play to
             return ""
         if time.monotonic() > deadline:
             player.end(signal.SIGINT)
-            return f"the nodes still ran after {timeout:g} s"
+            return "the nodes still ran"
         time.sleep(0.02)
     return ""
 

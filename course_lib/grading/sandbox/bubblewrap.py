@@ -124,6 +124,8 @@ def _arguments(folder: Path, uid: int | None) -> list[str]:
         mounts += ["--ro-bind", str(part), str(part)]
     # What `places.lay_out_pictures` puts beside the working folder.
     mounts += ["--symlink", str(places.pictures()), f"{places.HOME}/{places.pictures().name}"]
+    # ROS looks up the name of the machine that it is on, and there is nobody to ask.
+    mounts += ["--ro-bind", str(Path(__file__).with_name("hosts")), "/etc/hosts"]
     mounts += ["--bind", str(folder), places.WORK, "--chdir", places.WORK]
     return [*spaces, *mounts, "--remount-ro", "/"]
 

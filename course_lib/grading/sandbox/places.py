@@ -12,7 +12,7 @@ COURSE = Path(course_lib.__file__).resolve().parent
 HOME = "/home/student"
 WORK = f"{HOME}/work"
 _SYSTEM = ("/usr", "/bin", "/sbin", "/lib", "/lib32", "/lib64", "/libx32")
-_SETTINGS = ("/etc/ld.so.cache", "/etc/alternatives", "/etc/fonts", "/etc/localtime")
+_SETTINGS = ("/etc/ld.so.cache", "/etc/alternatives", "/etc/fonts", "/etc/localtime", "/etc/ros")
 # The grader, and what makes its held-out inputs and knows their truth.
 _HIDDEN = ("grading", "scenes", "scenes.py")
 _HIDDEN_PICTURES = "heldout"
