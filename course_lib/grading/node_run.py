@@ -117,7 +117,7 @@ def _launch_file(node: Path, folder: Path, *, named: bool) -> Path:
     """Give the launch file that starts a node on real ROS.
 
     The student's own, if what it names is asked for, or if it names nothing; else one that starts
-    the node by itself.
+    the node by itself, be it executable or not: that has points of its own.
     """
     package = _package(node)
     own = package / "launch" / f"{node.stem}.launch"
@@ -128,6 +128,7 @@ def _launch_file(node: Path, folder: Path, *, named: bool) -> Path:
     found = re.search(r"<name>\s*([\w-]+)\s*</name>", manifest)
     name = found[1] if found else package.name
     line = f'<node pkg="{name}" type="{node.name}" name="{node.stem}" output="screen"/>'
+    node.chmod(0o755)
     bare = folder / own.name
     bare.write_text(f"<launch>{line}</launch>")
     return bare

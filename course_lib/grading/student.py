@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 _SECOND_CHANCES = 2  # hangs or deaths of one function before its other calls are not tried
 _NODE_SECONDS = 60.0
+_ROS_SECONDS = 60.0  # more, for ROS itself to start and end on a busy machine
 _JPEG = [cv2.IMWRITE_JPEG_QUALITY, 95]
 
 
@@ -236,6 +237,7 @@ class Student:
         StudentError
             When it could not be run at all.
         """
+        timeout += _ROS_SECONDS * self._ros
         arguments = {
             "path": f"unit4/{path}",
             "stamps": [stamp for stamp, _ in frames],
