@@ -96,7 +96,7 @@ class Recorder:
         self.subscribers: dict[str, Any] = {}
         self.now = rospy.Time(0)
         self.answers = 0
-        self.last_answer = 0.0
+        self.first_answer = self.last_answer = 0.0
         self.complaint = ""
 
     def listen(self, offered: list[tuple[str, list[str]]]) -> None:
@@ -127,6 +127,7 @@ class Recorder:
         else:
             self.answers += 1
             self.last_answer = time.monotonic()
+            self.first_answer = self.first_answer or self.last_answer
         if self.keep and topic not in self.keep:
             return
         with self.lock:
@@ -274,6 +275,7 @@ def main() -> None:
             "frames": player.frames,
             "dropped": 0,
             "latencies": player.latencies,
+            "answering": round(recorder.last_answer - recorder.first_answer, 4),
             "seconds": round(time.monotonic() - began, 3),
         }
     )

@@ -74,7 +74,8 @@ def run_launch(
     -------
     Recording
         Published messages by topic, and log lines, as of `offline_ros.run_node`. `outcome` has
-        `latencies` too: seconds from each picture to its last answer.
+        `latencies` too, seconds from each picture to its last answer, and `answering`, seconds
+        from the first answer to the last.
 
     Raises
     ------
