@@ -15,7 +15,7 @@ from contextlib import chdir
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from course_lib.grading import node_run, wire
+from course_lib.grading import wire
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -136,6 +136,8 @@ def _run_node(
     ros: bool,  # noqa: FBT001  (arguments come by name)
 ) -> dict[str, object]:
     """Run a ROS node on some pictures, in a process of its own; say what it published."""
+    from course_lib.grading import node_run  # noqa: PLC0415  (only a kernel has use for it)
+
     for name, data in files.items():
         target = Path(name)
         target.parent.mkdir(parents=True, exist_ok=True)

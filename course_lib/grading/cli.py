@@ -99,6 +99,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main(args: argparse.Namespace) -> int:
     """Run ``course grade``; return the exit status."""
     # Imported late, so that --help is there at once.
+    from course_lib.grading import lean  # noqa: PLC0415
+
+    lean.import_nbformat()
     from course_lib.grading.cluster import ClusterError  # noqa: PLC0415
     from course_lib.grading.process import WorkerError  # noqa: PLC0415
     from course_lib.grading.progress import Shown  # noqa: PLC0415

@@ -6,8 +6,6 @@ Both run here, in the grader's process, under pytest. The student's code runs in
 
 from __future__ import annotations
 
-import contextlib
-import os
 import shutil
 import time
 from collections import defaultdict
@@ -16,9 +14,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import cv2
+import nbformat
 import pytest
 from nbval.plugin import IPyNbCell, IPyNbFile, NbCellError
 
+from course_lib.grading import pytest_run
 from course_lib.grading.channel import KernelGoneError
 from course_lib.grading.error_hints import hint
 from course_lib.grading.notebook import NbvalKernel, Notebook
@@ -26,10 +26,11 @@ from course_lib.grading.results import Picture, SubmissionResult, TestResult
 from course_lib.grading.rubric import Grade, GradeFailed
 from course_lib.grading.scratch import working_folder
 from course_lib.grading.seeds import Seeds
-from course_lib.grading.similarity import of_submission
+from course_lib.grading.similarity import of_submission, published
 from course_lib.grading.student import NotSubmittedError, Student, StudentError
 from course_lib.grading.submission import Source, stage
 from course_lib.grading.text import clean
+from course_lib.grading.unchecked import rubric_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -109,20 +110,28 @@ def grade_one(job: Job, launcher: Launcher) -> SubmissionResult:
         )
 
 
+def warm_up(tests: Path, exercises: tuple[str, ...]) -> None:
+    """Do once what each grading would do anew; those that are forked from here find it done.
+
+    Parameters
+    ----------
+    tests : Path
+        As in `Job`; they are imported.
+    exercises : tuple of str
+    """
+    published()
+    nbformat.validate(nbformat.v4.new_notebook())  # type: ignore[no-untyped-call]
+    rubric_of(tests, exercises)
+
+
 def _run_pytest(job: Job, plugin: _Grading) -> None:
-    paths: list[str] = []
+    paths: list[Path] = []
     for exercise in job.exercises:
         if exercise in plugin.submission.notebooks:
-            paths.append(str(plugin.notebook_for_nbval(exercise)))
-        paths += map(str, sorted(job.tests.glob(f"test_{exercise.replace('.', '_')}*.py")))
-    options = ["-q", "--tb=no", "--color=no", "--noconftest", "-c", os.devnull]
-    options += [f"--rootdir={job.tests}", f"--nbval-cell-timeout={plugin.limits.cell_s}"]
-    for name in ("cacheprovider", "faulthandler", "doctest", "junitxml", "pastebin", "logging"):
-        options += ["-p", f"no:{name}"]
-    # Other plugins that happen to be installed cost start-up time and have no say here.
-    os.environ["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"
-    with Path(os.devnull).open("w") as nowhere, contextlib.redirect_stdout(nowhere):
-        status = pytest.main([*options, "-s", "-p", "nbval.plugin", *paths], plugins=[plugin])
+            paths.append(plugin.notebook_for_nbval(exercise))
+        paths += sorted(job.tests.glob(f"test_{exercise.replace('.', '_')}*.py"))
+    options = ["-p", "nbval.plugin", f"--nbval-cell-timeout={plugin.limits.cell_s}"]
+    status = pytest_run.run(paths, job.tests, plugin, options)
     if status not in {pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED}:
         plugin.events.append(f"the grader's own test run ended with {status!r}")
     plugin.add_missing()
@@ -172,10 +181,6 @@ class _Grading:
             notebook.close()
             self.events += notebook.events
             notebook.events = []
-
-    def pytest_configure(self, config: pytest.Config) -> None:
-        """Make the rubric's mark known."""
-        config.addinivalue_line("markers", "points(value, number, title): what a test is worth")
 
     def pytest_collect_file(self, file_path: Path, parent: pytest.Collector) -> object:
         """Collect notebooks; nbval's own switch stays off, as its kernels are not sandboxed."""

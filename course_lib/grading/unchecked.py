@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import contextlib
-import os
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_lib.grading.results import SubmissionResult, TestResult
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from pathlib import Path
 
     import pytest
 
@@ -59,30 +57,23 @@ def rubric_of(tests: Path, exercises: tuple[str, ...]) -> list[tuple[float, str,
     list of tuple
         Sorted by number.
     """
-    import pytest  # noqa: PLC0415
+    from course_lib.grading import pytest_run  # noqa: PLC0415
 
     paths = [
-        str(path)
+        path
         for exercise in exercises
         for path in sorted(tests.glob(f"test_{exercise.replace('.', '_')}*.py"))
     ]
     if not paths:
         return []
-    options = ["--collect-only", "-q", "--noconftest", "-c", os.devnull, f"--rootdir={tests}"]
-    options += ["-p", "no:cacheprovider", "-p", "no:faulthandler"]
-    os.environ["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"
     rubric = _Rubric()
-    with Path(os.devnull).open("w") as nowhere, contextlib.redirect_stdout(nowhere):
-        pytest.main([*options, "-s", *paths], plugins=[rubric])
+    pytest_run.run(paths, tests, rubric, ["--collect-only"])
     return sorted(rubric.found, key=lambda test: test[1])
 
 
 class _Rubric:
     def __init__(self) -> None:
         self.found: list[tuple[float, str, str]] = []
-
-    def pytest_configure(self, config: pytest.Config) -> None:
-        config.addinivalue_line("markers", "points(value, number, title): what a test is worth")
 
     def pytest_collection_finish(self, session: pytest.Session) -> None:
         self.found += _marks(session)

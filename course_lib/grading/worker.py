@@ -26,7 +26,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from course_lib.grading import framing
+from course_lib.grading import framing, lean
 from course_lib.grading.messages import Settings, Task, from_message, to_message
 from course_lib.grading.sandbox import Launcher, confine, processes
 from course_lib.grading.scratch import remove
@@ -81,10 +81,7 @@ class Worker:
         self._settings = settings
         self._scratch = scratch
         self._launcher: Launcher | None = None
-        module, _, name = settings.grade.partition(":")
-        self._grade: Callable[..., SubmissionResult] = getattr(
-            importlib.import_module(module), name
-        )
+        self._grade: Callable[..., SubmissionResult] = _no_grade
 
     def prepare(self) -> None:
         """Warm up, so that children find everything imported.
@@ -94,11 +91,23 @@ class Worker:
         RuntimeError
             When a thread has started: its locks would stay locked in a fork.
         """
-        self._start_launcher()
+        launcher = self._start_launcher()  # its interpreter warms up at the same time
+        lean.import_nbformat()
+        module_name, _, name = self._settings.grade.partition(":")
+        module = importlib.import_module(module_name)
+        self._grade = getattr(module, name)
+        warm_up = getattr(module, "warm_up", None)
+        if warm_up:
+            _limit_threads()
+            warm_up(self._settings.tests, self._settings.exercises)
         gc.collect()
         gc.freeze()  # what is here stays: a collection in a child need not touch, and so copy, it
         if len(list(Path("/proc/self/task").iterdir())) > 1:
-            raise RuntimeError("a thread runs in the worker, which must fork")
+            raise RuntimeError(
+                "a thread runs in the worker, which must fork. Do hidden tests start one when they "
+                "are imported?"
+            )
+        launcher.await_ready()
 
     def serve(self) -> None:
         """Answer tasks until the grader hangs up."""
@@ -153,16 +162,17 @@ class Worker:
             bare = Settings(b"", self._scratch, (), "", self._settings.limits)
             return to_message(replace(unchecked(task, bare, reason), fingerprint=kept))
 
-    def _start_launcher(self) -> None:
+    def _start_launcher(self) -> Launcher:
         if self._launcher is None:
             self._scratch.mkdir(mode=0o711, exist_ok=True)
             launcher = Launcher(self._settings.sandbox, self._settings.limits)
             self._launcher = launcher.__enter__()
+        return self._launcher
 
     def _attempt(self, make: Callable[[], SubmissionResult]) -> framing.Message:
         """Make a result in a child; nothing of it is left afterwards."""
         try:
-            self._start_launcher()
+            self._start_launcher().await_ready()
         except Exception as error:
             raise AttemptError(_describe(error), again=True, ours=True) from error
         own = Path(tempfile.mkdtemp(prefix="", dir=self._scratch))
@@ -252,8 +262,7 @@ def _be_child(
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         resource.setrlimit(resource.RLIMIT_DATA, (own_bytes, own_bytes))
         tempfile.tempdir = str(own)
-        if "cv2" in sys.modules:
-            sys.modules["cv2"].setNumThreads(1)  # a worker for each processor is enough
+        _limit_threads()
         try:
             data = framing.pack(*to_message(make()))
         except BaseException as error:  # noqa: BLE001  (whatever happens is said)
@@ -263,6 +272,16 @@ def _be_child(
         link.close()
     finally:
         os._exit(0)
+
+
+def _limit_threads() -> None:
+    """Keep OpenCV to one thread: a worker for each processor is enough, and threads do not fork."""
+    if "cv2" in sys.modules:
+        sys.modules["cv2"].setNumThreads(1)
+
+
+def _no_grade(*_: object) -> SubmissionResult:
+    raise RuntimeError("not prepared")
 
 
 def _describe(error: BaseException) -> str:

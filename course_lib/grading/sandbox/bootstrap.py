@@ -11,9 +11,6 @@ from ipykernel.kernelapp import IPKernelApp
 
 from course_lib.grading import agent
 
-# The channels whose sockets are handed over, in this order. The heartbeat's goes nowhere.
-CHANNELS = ("shell", "iopub", "stdin", "control")
-
 
 class _App(IPKernelApp):
     listeners: dict[int, int]  # port: descriptor
@@ -45,7 +42,7 @@ def run(connection: dict[str, Any], listeners: list[int], *, loopback: bool) -> 
     connection : dict
         `key`, and `ip`, the prefix of the sockets' paths.
     listeners : list of int
-        Open, listening sockets in the order of `CHANNELS`.
+        Open, listening sockets in the order of `places.CHANNELS`.
     loopback : bool
         Whether sockets on the machine's own address are allowed; without them, what a forked
         child prints is not heard.

@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_lib.grading.sandbox import places, processes
-from course_lib.grading.sandbox.bootstrap import CHANNELS
 from course_lib.grading.sandbox.bubblewrap import Container
 from course_lib.grading.sandbox.watcher import Watcher
 from course_lib.grading.scratch import remove
@@ -106,7 +105,7 @@ class Box:
             "environment": environment,
             "others": self._others(inside=inside),
         }
-        listeners = [self._listen(port) for port in range(1, len(CHANNELS) + 1)]
+        listeners = [self._listen(port) for port in range(1, len(places.CHANNELS) + 1)]
         self._answer, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         descriptors = [theirs.fileno()]
         try:

@@ -13,7 +13,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from course_lib.grading.sandbox import bootstrap, confine, places
+from course_lib.grading.sandbox import confine, places
 from course_lib.grading.sandbox.limits import Limits
 from course_lib.grading.sandbox.processes import descendants
 
@@ -81,6 +81,9 @@ def _run_kernel(
     request: dict[str, Any], listeners: list[int], limits: Limits, writing: int
 ) -> None:
     """Be the kernel; never returns."""
+    # Imported already, but only where kernels are forked: it takes long.
+    from course_lib.grading.sandbox import bootstrap  # noqa: PLC0415
+
     status = 1
     try:
         os.setsid()

@@ -99,6 +99,7 @@ class Launcher:
         self.limits = limits or Limits()
         self._zygote: subprocess.Popen[bytes] | None = None
         self._control: socket.socket | None = None
+        self._is_ready = False
         self._uid = _spare_uid(self.sandbox)
 
     def __enter__(self) -> Self:
@@ -114,10 +115,22 @@ class Launcher:
                 start_new_session=True,
             )
         self._control.settimeout(_READY_SECONDS)
+        return self
+
+    def await_ready(self) -> None:
+        """Wait until kernels can be forked; done at the latest for the first of them.
+
+        Raises
+        ------
+        SandboxError
+            When the interpreter that forks them did not start.
+        """
+        if self._is_ready or self._control is None:
+            return
         if self._control.recv(16) != b"ready":
             self.__exit__(None, None, None)
             raise SandboxError("the interpreter that forks kernels did not start")
-        return self
+        self._is_ready = True
 
     def __exit__(
         self,
@@ -161,6 +174,7 @@ class Launcher:
         """
         if self._control is None:
             raise SandboxError("use the launcher as a context manager")
+        self.await_ready()
         uid = None if self._uid is None else self._uid + os.getpid() % _UIDS
         return SandboxedKernel(Box(self.sandbox, self._control, folder, self.limits, uid))
 
@@ -219,7 +233,7 @@ class SandboxedKernel:
         deadline = time.monotonic() + _READY_SECONDS
         while time.monotonic() < deadline and self.is_alive():
             client.kernel_info()
-            if client.shell_channel.socket.poll(5000) and client.iopub_channel.socket.poll(200):
+            if client.shell_channel.socket.poll(5000) and client.iopub_channel.socket.poll(20):
                 _empty(client)
                 return client
         reason = ", ".join(self.events) or "no answer"
@@ -259,7 +273,7 @@ class SandboxedKernel:
 
 def _empty(client: BlockingKernelClient) -> None:
     for channel in (client.shell_channel, client.iopub_channel):
-        while channel.socket.poll(20 if channel is client.iopub_channel else 0):
+        while channel.socket.poll(0):
             channel.socket.recv_multipart(zmq.NOBLOCK)
 
 

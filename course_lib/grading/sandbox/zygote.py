@@ -23,6 +23,7 @@ import traceback
 from contextlib import suppress
 from typing import Any
 
+from course_lib.grading import lean
 from course_lib.grading.sandbox import keeper
 
 _WARM = (
@@ -30,6 +31,8 @@ _WARM = (
     "IPython.core.magics",
     "course_lib.display",
     "course_lib.drawing",
+    "course_lib.grading.node_run",
+    "course_lib.grading.sandbox.bootstrap",
     "course_lib.localize",
     "ipykernel.ipkernel",
     "matplotlib.pyplot",
@@ -62,6 +65,8 @@ def main() -> None:
 
 def _warm_up() -> None:
     """Import what kernels will need. No thread may start here: only then can a child step over."""
+    with lean.without("debugpy"):  # nobody attaches; each kernel would import it anew
+        importlib.import_module("ipykernel.debugger")
     for name in _WARM:
         importlib.import_module(name)
 

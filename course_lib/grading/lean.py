@@ -1,0 +1,45 @@
+"""Imports that drag nothing along: each of a grader's many processes pays for its imports."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from types import ModuleType
+
+# jsonschema's optional checks of formats, which nbformat never asks for. The first takes a second:
+# it builds a grammar, wherever JupyterLab is installed.
+_FORMATS = ("rfc3987_syntax", "isoduration")
+
+
+@contextmanager
+def without(*names: str) -> Iterator[None]:
+    """Import in this block as if some modules were not installed; afterwards they are as before.
+
+    Parameters
+    ----------
+    *names : str
+        Modules that what is imported can do without.
+    """
+    absent = [name for name in names if name not in sys.modules]
+    sys.modules.update(dict.fromkeys(absent))  # type: ignore[arg-type]  # None: cannot be imported
+    try:
+        yield
+    finally:
+        for name in absent:
+            sys.modules.pop(name, None)
+
+
+def import_nbformat() -> ModuleType:
+    """Import nbformat, and what it needs only.
+
+    Returns
+    -------
+    module
+    """
+    with without(*_FORMATS):
+        return importlib.import_module("nbformat")
