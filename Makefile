@@ -30,7 +30,7 @@ lint: $(READY)
 test-opencv4: .venv-opencv4/.ready ## pass the library's tests on OpenCV 4 too
 	.venv-opencv4/bin/python -m pytest tests/unit
 
-bench: $(READY) ## measure sliders, the locator and the notebooks against what one would otherwise use
+bench: $(READY) ## measure sliders, the locator, the notebooks and the grader against what one would otherwise use
 	@set -e; for bench in $(BENCHES); do echo "== $$bench"; $(RUN) $$bench; done
 
 site: $(READY) ## export the course as web pages whose sliders need no kernel, into site/

@@ -22,7 +22,7 @@ from course_lib.grading.sandbox import (
     choose,
 )
 from course_lib.grading.sandbox import (
-    launcher as module,
+    choice as module,
 )
 from course_lib.grading.scratch import remove
 

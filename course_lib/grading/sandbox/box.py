@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 from course_lib.grading.sandbox import places, processes
 from course_lib.grading.sandbox.bubblewrap import Container
+from course_lib.grading.sandbox.choice import SandboxError
 from course_lib.grading.sandbox.watcher import Watcher
 from course_lib.grading.scratch import remove
 
@@ -25,10 +26,6 @@ if TYPE_CHECKING:
 _START_SECONDS = 20.0
 _END_SECONDS = 10.0
 _BACKLOG = 16
-
-
-class SandboxError(RuntimeError):
-    """The sandbox itself failed; not the submission's fault."""
 
 
 class Box:

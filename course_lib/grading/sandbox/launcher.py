@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
 import socket
 import stat
@@ -17,70 +16,18 @@ from jupyter_client.blocking.client import BlockingKernelClient
 from jupyter_client.kernelspec import KernelSpec
 from jupyter_client.manager import KernelManager
 
-from course_lib.grading.sandbox import bubblewrap, places
-from course_lib.grading.sandbox.box import Box, SandboxError
+from course_lib.grading.sandbox import places
+from course_lib.grading.sandbox.box import Box
+from course_lib.grading.sandbox.choice import SandboxError, choose
 from course_lib.grading.sandbox.limits import Limits
 from course_lib.grading.sandbox.provisioner import SandboxProvisioner
 
 if TYPE_CHECKING:
     from types import TracebackType
 
-NAMES = ("bubblewrap", "sandlock", "none")
 _READY_SECONDS = 30.0
 _MOST_MESSAGE = 96 * 2**20  # bytes; a message above ends the connection
 _FIRST_UID, _UIDS = 61184, 2000  # above what systems give to people, below their nobody
-
-
-class NoSandboxError(RuntimeError):
-    """Nothing here can hold a stranger's code."""
-
-
-def choose(name: str | None = None) -> str:
-    """Choose a sandbox that works on this machine.
-
-    Parameters
-    ----------
-    name : str, optional
-        ``"bubblewrap"``, ``"sandlock"``, or ``"none"`` for code that you trust. Default: the first
-        of the two that works.
-
-    Returns
-    -------
-    str
-        Its name.
-
-    Raises
-    ------
-    NoSandboxError
-        When it does not work here; says what to install.
-    ValueError
-        For an unknown name.
-    """
-    if name == "none":
-        return name
-    if name is not None and name not in NAMES:
-        raise ValueError(f"unknown sandbox {name!r}; there are {', '.join(NAMES)}")
-    complaints = []
-    for candidate in [name] if name else NAMES[:2]:
-        complaint = bubblewrap.complaint() if candidate == "bubblewrap" else _sandlock_complaint()
-        if complaint is None:
-            return candidate
-        complaints.append(complaint)
-    raise NoSandboxError(
-        "No sandbox for students' code: " + "; ".join(complaints) + ". "
-        "Install bubblewrap (Debian: apt install bubblewrap), or, only for code that you trust, "
-        "give --no-sandbox."
-    )
-
-
-def _sandlock_complaint() -> str | None:
-    if importlib.util.find_spec("sandlock") is None:
-        return "sandlock is not installed (pip install sandlock)"
-    import sandlock  # noqa: PLC0415
-
-    if sandlock.landlock_abi_version() < sandlock.min_landlock_abi():
-        return f"sandlock needs Landlock version {sandlock.min_landlock_abi()} in the Linux kernel"
-    return None
 
 
 class Launcher:
