@@ -10,7 +10,6 @@ import shutil
 import time
 from collections import defaultdict
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import cv2
@@ -34,6 +33,7 @@ from course_lib.grading.unchecked import rubric_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from pathlib import Path
 
     from course_lib.grading.results import Status
     from course_lib.grading.sandbox import Launcher
