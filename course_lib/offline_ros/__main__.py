@@ -14,10 +14,12 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from course_lib.offline_ros.bag import BagSource
 from course_lib.offline_ros.errors import BagError
+from course_lib.offline_ros.flown import DRONE, SECONDS, DroneSource
 from course_lib.offline_ros.host import Host, Limits
 
 if TYPE_CHECKING:
     from course_lib.offline_ros.runtime import Runtime
+    from course_lib.offline_ros.source import Source
 
 _EPILOG = """\
 arguments for the node, as on ROS:
@@ -56,6 +58,14 @@ def _parser() -> argparse.ArgumentParser:
     add("arguments", nargs="*", metavar="name:=value", help="remaps and parameters (see below)")
     add("--bag", default="flight.bag", metavar="FILE", help="the recording (default: %(default)s)")
     add(
+        "--drone",
+        action="store_const",
+        dest="bag",
+        const=DRONE,
+        help=f"the simulated drone instead, which obeys /cmd_vel; {SECONDS:g} s, or --duration",
+    )
+    add("--heading", type=float, metavar="DEG", help="where the drone looks at first, from east")
+    add(
         "--rate",
         type=_rate,
         default=None,
@@ -81,6 +91,13 @@ def _parser() -> argparse.ArgumentParser:
     add("--with-parent", action="store_true", help=argparse.SUPPRESS)
     add("--progress", type=Path, help=argparse.SUPPRESS)
     return parser
+
+
+def _source(options: argparse.Namespace) -> Source:
+    wanted = {"topics": options.topic, "max_frames": options.max_frames}
+    if options.bag == DRONE and not Path(DRONE).exists():
+        return DroneSource(**wanted, seconds=options.duration, heading=options.heading)
+    return BagSource(options.bag, **wanted)
 
 
 def _show_progress(runtime: Runtime, done: threading.Event) -> None:
@@ -115,7 +132,7 @@ def main(argv: list[str] | None = None) -> int:
         record.mkdir(parents=True, exist_ok=True)
         record /= f"{options.node.stem}.bag"
     try:
-        source = BagSource(options.bag, topics=options.topic, max_frames=options.max_frames)
+        source = _source(options)
     except (BagError, ValueError) as error:
         parser.error(str(error))
     if options.rate and not source.rate:

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from course_lib.offline_ros.bag import Arrival, BagSource
+    from course_lib.offline_ros.bag import Arrival
+    from course_lib.offline_ros.source import Source
 
 # After the last message a node gets this long for what it does at a slower rate.
 GRACE_NS = 1_000_000_000
@@ -21,13 +22,13 @@ class Agenda:
 
     Parameters
     ----------
-    source : BagSource
+    source : Source
         The recording.
     duration : float, optional
         Simulated seconds until the end. Default: one second after the last message.
     """
 
-    def __init__(self, source: BagSource, duration: float | None = None) -> None:
+    def __init__(self, source: Source, duration: float | None = None) -> None:
         self._messages = iter(source)
         self._next: Arrival | None = next(self._messages, None)
         self._last_ns = source.start_ns

@@ -16,6 +16,7 @@ from rosbags.typesys import Stores, get_typestore
 from course_lib import images
 from course_lib.offline_ros.errors import BagError
 from course_lib.offline_ros.messages import STORE, message_class
+from course_lib.offline_ros.source import Source
 from course_lib.offline_ros.wire import from_native
 
 if TYPE_CHECKING:
@@ -73,7 +74,7 @@ def find_bag(bag: str | Path) -> Path:
         raise BagError(msg) from error
 
 
-class BagSource:
+class BagSource(Source):
     """The messages of a bag.
 
     Each `X/compressed` topic of type `sensor_msgs/CompressedImage` also appears as `X`, a

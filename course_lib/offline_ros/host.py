@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Collection
     from types import FrameType
 
-    from course_lib.offline_ros.bag import BagSource
+    from course_lib.offline_ros.source import Source
 
 _PACKAGE = str(Path(__file__).resolve().parent)
 _MOST_PRINTED = 100_000_000  # bytes
@@ -71,7 +71,7 @@ class Host:
         The node's file.
     arguments : list of str
         Its command line: `name:=value` pairs and plain arguments.
-    source : BagSource
+    source : Source
         What is played to it.
     record : Path, optional
         The bag that keeps what it does.
@@ -87,7 +87,7 @@ class Host:
         self,
         node: Path,
         arguments: list[str],
-        source: BagSource,
+        source: Source,
         *,
         record: Path | None = None,
         keep: Collection[str] | None = None,

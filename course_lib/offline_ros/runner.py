@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_lib.offline_ros.bag import find_bag
 from course_lib.offline_ros.errors import BagError, NodeError, OfflineRosError
+from course_lib.offline_ros.flown import DRONE
 from course_lib.offline_ros.host import CRASHED, ENDED
 from course_lib.offline_ros.recording import Recording
 
@@ -51,7 +52,8 @@ def run_node(
     path : str or Path
         The node's file.
     bag : str or Path, optional
-        A ROS 1 or ROS 2 bag, by path or by the course's name for it.
+        A ROS 1 or ROS 2 bag, by path or by the course's name for it, or "drone": the simulated
+        drone, which obeys what the node publishes on `/cmd_vel`.
     remap : mapping of str to str, optional
         Topics to rename, `{"/camera/image": "/camera/rgb/image_raw"}`.
     params : mapping of str to object, optional
@@ -104,7 +106,12 @@ def run_node(
         "rate": rate,
         "duration": duration,
     }
-    options = ["--quiet", "--with-parent", f"--bag={find_bag(bag)}", f"--stall={stall or 0}"]
+    options = [
+        "--quiet",
+        "--with-parent",
+        f"--bag={bag if bag == DRONE else find_bag(bag)}",
+        f"--stall={stall or 0}",
+    ]
     options += _limits(limits)
     options += [f"--topic={topic}" for topic in topics or ()]
     options += [f"--keep={topic}" for topic in keep or ()]

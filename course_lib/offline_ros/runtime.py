@@ -26,10 +26,10 @@ from course_lib.offline_ros.times import Time
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from course_lib.offline_ros.bag import BagSource
     from course_lib.offline_ros.console import Console
     from course_lib.offline_ros.names import Names
     from course_lib.offline_ros.recorder import Recorder
+    from course_lib.offline_ros.source import Source
 
 _SLEEP = threading.Event()  # never set: time.sleep itself is replaced while a node runs
 _PATIENCE = 0.5  # wall seconds
@@ -51,7 +51,7 @@ class Runtime:
 
     Parameters
     ----------
-    source : BagSource
+    source : Source
         What is played.
     names : Names
         The node's names and remaps.
@@ -70,7 +70,7 @@ class Runtime:
 
     def __init__(
         self,
-        source: BagSource,
+        source: Source,
         *,
         names: Names,
         console: Console,

@@ -170,6 +170,7 @@ class Publisher:
             runtime.latched[self.name] = (self.type, raw)
         if runtime.recorder:
             runtime.recorder.write(self.name, runtime.now_ns(), self.type, raw)
+        runtime.source.hear(self.name, self.type, runtime.now_ns(), raw)
         runtime.enqueue(self.name, lambda: deserialize(raw, self.type))
 
     def _message(self, args: tuple[object, ...], kwds: dict[str, object]) -> Any:  # noqa: ANN401
