@@ -222,7 +222,7 @@ class Drone:
 
     def _exposed(self, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
         """Blur and noise of the recorded flights' camera, at a fraction of the cost."""
-        soft = cv2.GaussianBlur(image, (3, 3), 0.6)
+        soft = cv2.GaussianBlur(image, (3, 3), 0.8)
         # Noise of this very moment: the same time shows the same grains.
         rng = np.random.default_rng((self._now_ns, int(1e6 * self._phases[0, 0])))
         noise = self._bank[rng.integers(SIZE_OF_BANK)]

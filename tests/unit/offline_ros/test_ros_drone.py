@@ -11,8 +11,7 @@ import cv2
 import numpy as np
 import pytest
 
-from course_lib import camera, images
-from course_lib.drone import why_not
+from course_lib.drone import Drone, why_not
 from course_lib.offline_ros import BagError, run_node
 from course_lib.offline_ros.flown import DroneSource
 from course_lib.offline_ros.messages import message_class
@@ -25,10 +24,10 @@ NODES = Path(__file__).parent / "nodes"
 
 @pytest.fixture(scope="module")
 def template(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    about = images.truth("flight.bag")["template"]
-    with camera.open_camera("flight.bag") as flight:
-        frame = next(f for number, f in enumerate(flight) if number == about["frame"])
-    x, y, w, h = about["rect"]
+    with Drone(seed=4, position=(-1.1, -6.0, 1.6)) as drone:
+        frame = drone.frame()
+    assert frame.truth
+    x, y, w, h = cv2.boundingRect(np.array(frame.truth["well"]["polygon"], np.int32))
     file = tmp_path_factory.mktemp("template") / "well.png"
     cv2.imwrite(str(file), frame.image[y : y + h, x : x + w])
     return file
