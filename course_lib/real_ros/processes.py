@@ -19,6 +19,8 @@ _COLOURS = re.compile(r"\x1b\[[0-9;]*m|\x1b\][^\x07\x1b]*(?:\x07|\x1b\\)?")
 _TO_END = 8.0  # seconds for a program to end its children before all are killed
 _STEP = 0.02
 _MARK = "COURSE_PROGRAM"
+# A caller that is killed cannot end what it has started: then the system does, as Ctrl-C would.
+_WITH_ME = ("/usr/bin/setpriv", "--pdeathsig", "INT")
 
 
 class RosError(RuntimeError):
@@ -56,7 +58,7 @@ class Program:
         self._printed = printed
         with printed.open("wb") as output:
             self.process = subprocess.Popen(  # noqa: S603  (the caller's own choice)
-                command,
+                [*_WITH_ME, *command],
                 stdin=subprocess.PIPE if feed else subprocess.DEVNULL,
                 stdout=output,
                 stderr=subprocess.STDOUT,

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import os
 import shutil
+import signal
 import socket
+import subprocess
+import sys
 import textwrap
+import time
 from pathlib import Path
 
 import pytest
@@ -167,6 +171,23 @@ def test_deaf_node_and_its_children_are_ended(package: Path) -> None:
     with socket.socket() as probe:
         assert probe.connect_ex(("127.0.0.1", port)) != 0
     assert not folder.exists()
+
+
+def test_master_goes_with_a_caller_that_is_killed() -> None:
+    code = """
+        import os, signal
+        from course_lib.real_ros import Ros
+        with Ros() as ros:
+            print(ros._programs[0].mark, flush=True)
+            os.kill(os.getpid(), signal.SIGKILL)
+    """
+    caller = [sys.executable, "-c", textwrap.dedent(code)]
+    ran = subprocess.run(caller, stdout=subprocess.PIPE, text=True, check=False)
+    assert ran.returncode == -signal.SIGKILL
+    deadline = time.monotonic() + 60
+    while (left := marked(ran.stdout.strip())) and time.monotonic() < deadline:
+        time.sleep(0.1)
+    assert left == []
 
 
 def test_masters_do_not_see_each_other(ros: Ros) -> None:
