@@ -70,6 +70,16 @@ class MatchList:
         swapped = self._near(expected, there, self._train, self._query)
         return swapped >= RIGHT > self._near(expected, there, self._query, self._train)
 
+    def takes_bits_for_numbers(
+        self, query: NDArray[np.generic], train: NDArray[np.generic]
+    ) -> bool:
+        """Tell whether the distances are Euclidean, though the descriptors are rows of bits."""
+        if query.dtype != np.uint8 or train.dtype != np.uint8 or not self.in_range:
+            return False
+        best = slice(BEST)
+        apart = query[self._query[best]].astype(np.float64) - train[self._train[best]]
+        return bool(np.allclose(np.linalg.norm(apart, axis=1), self._distance[best], atol=0.01))
+
     def _near(
         self, expected: Points, there: Points, query: NDArray[np.int_], train: NDArray[np.int_]
     ) -> float:

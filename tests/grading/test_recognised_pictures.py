@@ -9,7 +9,10 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
+from course_lib import images
+from course_lib.drawing import draw_keypoints
 from course_lib.grading.crops import judge_crop
+from course_lib.grading.drawn import sightings
 from course_lib.grading.plots import shows_plot
 from course_lib.grading.published_flight import frame, frames_shown, silhouette
 
@@ -131,3 +134,13 @@ def test_a_crop_is_judged_by_what_it_holds(crop, least, most, said):
     assert least <= judged.credit <= most
     assert (judged.message is None) == (said is None and judged.credit == 1)
     assert said is None or said in judged.message
+
+
+@pytest.mark.parametrize("show", [lambda p: p, lambda p: drawn([lambda a: a.imshow(p[..., ::-1])])])
+def test_large_keypoints_hide_no_picture(show):
+    mug = images.resize(images.load("ROS.png"), 400, 600)
+    keypoints = cv2.ORB_create(1000).detect(mug)
+    (seen,) = sightings(show(draw_keypoints(mug, keypoints)), mug)
+    assert seen.drawn > 0.1
+    peppers = images.resize(images.load("peppers.png"), 400, 600)
+    assert sightings(show(draw_keypoints(peppers, keypoints)), mug) == []

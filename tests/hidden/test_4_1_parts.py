@@ -214,6 +214,8 @@ def test_match_keypoints(student, grade, seeds):
     once = matches.share_once()
     alone = "Many keypoints share one partner. Ask both ways: crossCheck=True, or a ratio test."
     grade.add(once, out_of=0.35, message=alone if once < 1 else None)
+    if matches.takes_bits_for_numbers(query, train):
+        grade.note("These descriptors are rows of bits: compare them with cv2.NORM_HAMMING.")
     right = matches.share_right(expected, there)
     astray = (
         "Few of your best matches are right. Is the norm that of the descriptors, do descriptors "
