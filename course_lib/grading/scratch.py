@@ -74,7 +74,7 @@ def _empty(top: int) -> None:
     stuck: set[str] = set()
     while waiting := [name for name in os.listdir(top) if name not in stuck]:
         for name in waiting:
-            if _unlink(name, top):
+            if _unlink(name, top) or _unlink_folder(name, top):
                 continue
             try:
                 inside = _open(name, os.dup(top))
@@ -83,13 +83,11 @@ def _empty(top: int) -> None:
                 continue
             try:
                 for each in os.listdir(inside):  # noqa: PTH208  (by descriptor)
-                    if not _unlink(each, inside):
+                    if not (_unlink(each, inside) or _unlink_folder(each, inside)):
                         _lift(each, inside, top, names)
             finally:
                 os.close(inside)
-            try:
-                os.rmdir(name, dir_fd=top)
-            except OSError:
+            if not _unlink_folder(name, top):
                 stuck.add(name)
 
 
@@ -97,6 +95,15 @@ def _unlink(name: str, parent: int) -> bool:
     """Delete a file; tell whether that was possible."""
     try:
         os.unlink(name, dir_fd=parent)
+    except OSError:
+        return False
+    return True
+
+
+def _unlink_folder(name: str, parent: int) -> bool:
+    """Delete an empty folder; tell whether that was possible."""
+    try:
+        os.rmdir(name, dir_fd=parent)
     except OSError:
         return False
     return True
