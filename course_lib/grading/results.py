@@ -48,7 +48,7 @@ class TestResult:
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture with a caption: PNG bytes that the grader itself encoded."""
+    """A picture with a caption: the bytes of a PNG or JPEG that the grader itself encoded."""
 
     caption: str
     png: bytes

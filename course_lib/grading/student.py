@@ -296,7 +296,7 @@ def _outcome(what: str, content: Mapping[str, Any], buffers: Sequence[bytes]) ->
         )
     if status != "error":
         raise TimedOut(f"{what} was interrupted.")
-    kind, message = (clean(str(content.get(name, ""))) for name in ("type", "message"))
+    kind, message = (clean(str(content.get(name, ""))).strip() for name in ("type", "message"))
     kinds = content.get("kinds")
     kinds = kinds if isinstance(kinds, list) else []
     if kind == "_MissingError":

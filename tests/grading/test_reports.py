@@ -11,11 +11,13 @@ import tracemalloc
 from html.parser import HTMLParser
 from urllib.parse import unquote
 
+import numpy as np
 import pytest
 from demo_class import ABSENT, DIED, INVERSE, demo_class, hostile, mixed, png, result
 
 from course_lib.grading import atomic, report
 from course_lib.grading.results import Picture
+from course_lib.grading.rubric import Grade
 from course_lib.grading.summary import Summary, summaries
 
 
@@ -377,3 +379,12 @@ def test_five_hundred_students(tmp_path):
     assert time.process_time() - started < 15
     assert "500 graded" in page(tmp_path, "index.html").text
     assert (tmp_path / "index.html").stat().st_size < 2_000_000
+
+
+def test_scenes_that_hidden_tests_keep_are_shown(tmp_path):
+    grade = Grade()
+    grade.scene("from the side", np.full((40, 60, 3), 90, np.uint8))
+    report.write_student(result(scenes=grade.scenes), tmp_path / "one")
+    (page,) = tmp_path.glob("_instructor/*/report.html")
+    assert page.read_text().count("data:image/jpeg;base64,") == 1
+    assert 'width="60"' in page.read_text()

@@ -27,12 +27,18 @@ SURELY_ORB = 0.6
 def test_runs(student, grade):
     """Every cell runs, and the four functions are there."""
     there = sum(_is_written(student, name, grade) for name in FUNCTIONS)
-    bad = [cell for cell in student.cells if cell.error]
-    for cell in bad:
-        grade.note(f"Code cell {cell.number} {cell.error}.")
-    # What fails for one reason in several cells is one mistake.
-    reasons = len({cell.error for cell in bad})
+    reasons = _reasons([cell for cell in student.cells if cell.error], grade)
     grade.add(there / len(FUNCTIONS) * max(0.0, 1 - BAD_CELL * reasons))
+
+
+def _reasons(bad, grade):
+    """Say why cells failed, and count the reasons: what one cell lacks fails many."""
+    own = [cell for cell in bad if cell is bad[0] or "raised NameError" not in cell.error]
+    for cell in own:
+        grade.note(f"Code cell {cell.number} {cell.error}.")
+    if others := [str(cell.number) for cell in bad if cell not in own]:
+        grade.note(f"After that, a name was missing in code cell {', '.join(others)}.")
+    return len({cell.error for cell in own})
 
 
 def _is_written(student, name, grade):
