@@ -7,9 +7,11 @@ what grading it must come to; the rest says what is handed in, by any of these:
 - ``exercise_4_1.py``, ``exercise_4_2.py``: notebooks as scripts, a cell after each line ``# %%``,
   or ``# %% [markdown]``, whose lines then begin with ``# ``;
 - ``like``: another sample, such as ``"correct/short"``, from which this one starts;
+- ``first.py``, ``last.py``: cells before and after those of ``hostile/plain_4_1.py``, a right one;
 - ``base`` and ``[[edit]]`` (``file``, ``old``, ``new``) in ``expected.toml``: the files that
   ``base`` names, of ``solutions/``, with parts of them replaced;
 - ``make.py`` with a function ``make(folder)``, for what no file can say: zip bombs, FIFOs, links;
+  it may import this module as ``build``;
 - any other file or folder, which is copied.
 """
 
@@ -28,9 +30,10 @@ from nbformat import v4
 
 HERE = Path(__file__).resolve().parent
 SOLUTIONS = HERE.parents[2] / "solutions"
+PLAIN = HERE / "hostile" / "plain_4_1.py"
 KINDS = ("correct", "mistakes", "hostile")
 _CELL = re.compile(r"^# %%(?P<kind> \[markdown\])?[^\n]*\n", re.MULTILINE)
-_OURS = {"expected.toml", "make.py", "__pycache__"}
+_OURS = {"expected.toml", "make.py", "first.py", "last.py", "__pycache__"}
 
 
 def names(kind: str | None = None) -> list[str]:
@@ -52,6 +55,12 @@ def build(name: str, into: Path) -> Path:
     if "like" in about:
         shutil.copytree(build(about["like"], Path(f"{into}.like")), into, dirs_exist_ok=True)
         shutil.rmtree(f"{into}.like")
+    around = [source / "first.py", source / "last.py"]
+    if any(path.exists() for path in around):
+        parts = [path.read_text(encoding="utf-8") for path in around[:1] if path.exists()]
+        parts.append(PLAIN.read_text(encoding="utf-8").partition("\n")[2])
+        parts += [path.read_text(encoding="utf-8") for path in around[1:] if path.exists()]
+        nbformat.write(notebook("\n".join(parts)), into / "exercise_4_1.ipynb")
     for each in about.get("base", []):
         _copy(SOLUTIONS / each, into / each)
     for path in sorted(source.iterdir()):

@@ -1,0 +1,17 @@
+# %%
+input("password: ")
+
+# %%
+import getpass
+getpass.getpass()
+
+# %%
+breakpoint()
+
+# %%
+import pdb
+pdb.set_trace()
+
+# %%
+import sys
+sys.stdin.read()
