@@ -111,6 +111,9 @@ class ObjectNode(Node):
         except (CvBridgeError, TypeError, ValueError) as error:  # cut short, or no picture at all
             self.get_logger().error(f"frame left out: {error}")
             return
+        if frame is None or frame.size == 0:
+            self.get_logger().error("frame left out: it has no pixels")
+            return
         corners, inliers = self.finder.find(frame)
 
         polygon = PolygonStamped(header=message.header)

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from flight_piece import PACKAGE, TOPIC, Piece, outlines
 
 from course_lib.grading.outlines import outline_overlap
 from course_lib.offline_ros import Recording, run_node
+from course_lib.offline_ros.messages import message_class
 from course_lib.offline_ros.modules.cv_bridge import CvBridge
+from course_lib.offline_ros.recorder import Recorder
 from course_lib.real_ros import run_launch
 
 NODES = {"example4_5": "/object", "exercise4_2_2": "/waterhole"}
@@ -75,3 +79,22 @@ def test_parameters_replace_those_of_the_launch_file(piece: Piece) -> None:
     # Ten matches must agree: five never do.
     assert [len(points) for points in outlines(few["/waterhole/corners"]).values()] == [0] * 4
     assert TOPIC in few.output
+
+
+@pytest.mark.parametrize("node", NODES)
+def test_broken_frames_are_left_out(node: str, tmp_path: Path) -> None:
+    """One without pixels, one cut short, one in an unknown encoding, and a good one."""
+    recorder = Recorder(tmp_path / "broken.bag")
+    frames = [(0, 0, 0, "bgr8"), (48, 64, 100, "bgr8"), (48, 64, 9216, "x"), (48, 64, 9216, "bgr8")]
+    for number, (height, width, size, encoding) in enumerate(frames):
+        message = message_class("sensor_msgs/Image")(
+            height=height, width=width, encoding=encoding, step=3 * width, data=bytes(size)
+        )
+        message.header.stamp.secs = number + 1
+        recorder.write_message(TOPIC, (number + 1) * 10**9, message)
+    recorder.close()
+    recording = run_launch(PACKAGE, f"{node}.launch", bag=tmp_path / "broken.bag")
+    assert list(outlines(recording[f"{NODES[node]}/corners"])) == [4 * 10**9]
+    errors = [line for line in recording.log if line.level == "ERROR"]
+    assert all(line.text.startswith("frame left out: ") for line in errors)
+    assert len(errors) == 3

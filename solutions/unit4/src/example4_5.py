@@ -106,6 +106,9 @@ class ObjectNode:
         except (CvBridgeError, TypeError, ValueError) as error:  # cut short, or no picture at all
             rospy.logerr("frame left out: %s", error)
             return
+        if frame is None or frame.size == 0:
+            rospy.logerr("frame left out: it has no pixels")
+            return
         corners, inliers = self.finder.find(frame)
 
         polygon = PolygonStamped(header=message.header)

@@ -114,6 +114,9 @@ class WaterholeNode:
         except (CvBridgeError, TypeError, ValueError) as error:  # cut short, or no picture at all
             rospy.logerr("frame left out: %s", error)
             return
+        if frame is None or frame.size == 0:
+            rospy.logerr("frame left out: it has no pixels")
+            return
         corners = self.find(frame)
         self.publish(message.header, frame, corners)
         if self.show:
