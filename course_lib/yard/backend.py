@@ -87,6 +87,12 @@ def load() -> tuple[Any, Any]:
             f"The simulated drone cannot see: {working} works, but not in this process ({error}); "
             "start a new one"
         ) from error
+    try:
+        context(16, 16).free()
+    except Exception as error:  # what EGL and PyOpenGL raise has no common base
+        raise RendererError(
+            f"The simulated drone cannot see ({error}): {_missing([working])}"
+        ) from error
     return mujoco, context
 
 

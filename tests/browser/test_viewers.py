@@ -140,7 +140,7 @@ def test_every_choice_changes_the_viewer(lesson: Page) -> None:
 def test_magnifier_follows_pointer_and_arrow_keys(lesson: Page) -> None:
     canvas = lesson.locator(".fm-viewer canvas[role=application]")
     if "4_1" not in lesson.url:
-        assert canvas.count() == 0
+        assert canvas.count() == ("4_5" in lesson.url)  # the cockpit has keys of its own
         return
     canvas.scroll_into_view_if_needed()
     readout = canvas.locator("xpath=../*[contains(@class, 'fm-readout')]")
