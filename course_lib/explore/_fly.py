@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import threading
 import time
 from typing import TYPE_CHECKING, Any
 
@@ -52,6 +53,7 @@ class Cockpit:
         self._drone = drone
         self._locator = locator
         self._last = 0.0
+        self._lock = threading.Lock()  # JupyterLab may answer from several threads
 
     def answer(self, command: Mapping[str, float]) -> tuple[dict[str, Any], NDArray[np.uint8]]:
         """Follow a command for the time since the last frame.
@@ -68,6 +70,10 @@ class Cockpit:
         image : ndarray of uint8, shape (480, 640, 3)
             BGR.
         """
+        with self._lock:
+            return self._answer(command)
+
+    def _answer(self, command: Mapping[str, float]) -> tuple[dict[str, Any], NDArray[np.uint8]]:
         now = time.monotonic()
         elapsed, self._last = min(now - self._last, LONGEST), now
         self._drone.command(*(float(command.get(name, 0.0)) for name in COMMANDS))

@@ -10,7 +10,7 @@ import sys
 from functools import cache
 from typing import Any
 
-PACKAGES = "libegl1 libgl1 libgl1-mesa-dri"
+PACKAGES = "libegl1 libopengl0 libgl1-mesa-dri"
 PROBE = "import sys; from mujoco.{0} import GLContext; GLContext(16, 16).make_current()"
 
 

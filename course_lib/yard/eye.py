@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +18,10 @@ if TYPE_CHECKING:
 
 # MuJoCo's cameras look along -z with y up; OpenCV's along +z with y down.
 MUJOCO_FROM_OPENCV = np.diag([1.0, -1.0, -1.0])
+
+# An OpenGL context belongs to one thread, and JupyterLab answers widgets from another one than
+# runs the cells. So one thread draws for all.
+_DRAWING = ThreadPoolExecutor(1, thread_name_prefix="drone-eye")
 
 
 @cache
@@ -37,6 +42,10 @@ class Eye:
 
     def __init__(self) -> None:
         self._mujoco, make_context = backend.load()
+        self._context: Any = None
+        _DRAWING.submit(self._open, make_context).result()
+
+    def _open(self, make_context: Any) -> None:  # noqa: ANN401
         mujoco, yard = self._mujoco, yard_model()
         self._data = mujoco.MjData(yard)
         self._context = make_context(*SIZE)
@@ -84,7 +93,7 @@ class Eye:
             BGR.
         """
         # OpenGL's rows begin at the bottom.
-        upright = cv2.flip(self._draw(T_camera_from_world), 0)
+        upright = cv2.flip(_DRAWING.submit(self._draw, T_camera_from_world).result(), 0)
         return np.asarray(cv2.cvtColor(upright, cv2.COLOR_RGB2BGR), np.uint8)
 
     def well_mask(self, T_camera_from_world: NDArray[np.float64]) -> NDArray[np.bool_]:
@@ -106,7 +115,8 @@ class Eye:
         yard.geom_group[hidden] = model.SOLID
         self._scene.flags[flags.mjRND_SEGMENT] = True
         try:
-            return np.flipud(self._draw(T_camera_from_world).any(axis=2)).copy()
+            drawn = _DRAWING.submit(self._draw, T_camera_from_world).result()
+            return np.asarray(np.flipud(drawn.any(axis=2)).copy())
         finally:
             yard.geom_group[hidden] = groups
             self._scene.flags[flags.mjRND_SEGMENT] = False
@@ -114,7 +124,10 @@ class Eye:
     def close(self) -> None:
         """Free the context; may be called again."""
         if self._context is not None:
-            self._context.make_current()
-            self._drawer.free()
-            self._context.free()
-            self._context = None
+            _DRAWING.submit(self._free).result()
+
+    def _free(self) -> None:
+        self._context.make_current()
+        self._drawer.free()
+        self._context.free()
+        self._context = None

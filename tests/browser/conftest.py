@@ -103,7 +103,7 @@ def running_lab(root: Path, scratch: Path) -> Iterator[Lab]:
     server = subprocess.Popen(command, env=environment, stdout=log, stderr=log)
     try:
         address = f"http://127.0.0.1:{port}"
-        for _ in range(300):
+        for _ in range(1200):
             if server.poll() is not None:
                 raise RuntimeError((scratch / "lab.log").read_text()[-2000:])
             with contextlib.suppress(OSError):

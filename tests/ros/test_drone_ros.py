@@ -89,9 +89,9 @@ def test_rostopic_pub_flies_it_to_the_well_and_a_node_finds_it(ros: Ros, tmp_pat
     way = np.linalg.norm(places - places[0], axis=1)
     assert way[-1] > 1  # it flew
     speed = np.linalg.norm(places[1:] - places[:-1], axis=1) / np.diff(times)
-    assert np.median(speed[times[1:] < times[0] + 0.5]) < 0.02  # nobody had commanded it
+    assert np.ptp(way[times < times[0] + 0.5]) < 0.02  # nobody had commanded it
     assert np.percentile(speed, 90) == pytest.approx(0.5, abs=0.15)
-    assert np.median(speed[-5:]) < 0.02  # and it hovers once nobody commands it
+    assert np.median(speed[-3:]) < 0.02  # and it hovers once nobody commands it
     assert np.linalg.norm(places[-1][:2]) < np.linalg.norm(places[0][:2]) - 1  # to the well
 
     truth = {stamp(m): points(m) for _, m in messages["/drone/well"]}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import cv2
@@ -219,6 +220,14 @@ def test_orb_finds_it_with_the_recorded_template(recorded: list[Any]) -> None:
             drone.step(0.3)
             found += bool(locator.locate(drone.frame().image))
     assert found >= 5
+
+
+def test_pictures_can_be_taken_from_any_thread() -> None:
+    with Drone(seed=1) as drone:
+        here = drone.frame()
+        with ThreadPoolExecutor(1) as elsewhere:
+            there = elsewhere.submit(drone.frame).result()
+    assert np.array_equal(here.image, there.image)
 
 
 def test_bad_input_is_refused() -> None:
