@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+import xmlrpc.client
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -119,13 +120,15 @@ def test_pictures_come_at_a_steady_rate(ros: Ros, tmp_path: Path) -> None:
 
 
 def test_without_a_master_it_says_so(ros: Ros) -> None:
-    lost = ros.start(
-        sys.executable, "-m", "course_lib.drone_node", ROS_MASTER_URI="http://127.0.0.1:9"
-    )
+    nowhere = "ROS_MASTER_URI=http://127.0.0.1:9"
+    lost = ros.start("env", nowhere, sys.executable, "-m", "course_lib.drone_node")
     assert lost.wait(60) == 1
     assert "start roscore first" in lost.output
 
 
 def test_drone_ends_with_its_ros_side(ros: Ros, drone: Program) -> None:
-    ros.run("rosnode", "kill", "/drone")
+    # What `rosnode kill` does, which Debian keeps in a package of its own.
+    master = xmlrpc.client.ServerProxy(ros.environment["ROS_MASTER_URI"])
+    node = xmlrpc.client.ServerProxy(master.lookupNode("/test", "/drone")[2])
+    node.shutdown("/test", "the test is over")
     assert drone.wait(30) == 0
