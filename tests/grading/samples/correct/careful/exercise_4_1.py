@@ -17,8 +17,7 @@ def load_images():
 # %%
 def find_keypoints(image):
     gray = image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
-    clahe = cv2.createCLAHE(clipLimit=2.0, tileGridSize=(8, 8))
-    keypoints, descriptors = cv2.ORB_create(1000).detectAndCompute(clahe.apply(gray), None)
+    keypoints, descriptors = cv2.ORB_create(1000).detectAndCompute(gray, None)
     if descriptors is None:
         descriptors = np.empty((0, 32), np.uint8)
     return keypoints, descriptors
@@ -48,7 +47,7 @@ def locate_mug(mug, scene, match_count=100):
         return None
     from_points = cv2.KeyPoint_convert(kps_mug, [m.queryIdx for m in best])
     to_points = cv2.KeyPoint_convert(kps_scene, [m.trainIdx for m in best])
-    H, used = cv2.findHomography(from_points, to_points, cv2.USAC_ACCURATE, 5)
+    H, used = cv2.findHomography(from_points, to_points, cv2.USAC_MAGSAC, 5)
     if H is None:
         return None
     if np.count_nonzero(used) < 10:
