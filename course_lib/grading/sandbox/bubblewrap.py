@@ -28,7 +28,8 @@ if TYPE_CHECKING:
 
 _START_SECONDS = 10
 _END_SECONDS = 10
-_IN_MEMORY = (("/dev/shm", 64), ("/tmp", 128), (places.HOME, 64))  # noqa: S108  (MiB at most)
+_SHARED = 64  # MiB at most, as below
+_IN_MEMORY = (("/tmp", 128), (places.HOME, 64))  # noqa: S108
 
 
 class Container:
@@ -97,7 +98,8 @@ class Container:
 
     def in_memory(self) -> list[str]:
         """List the container's file systems in memory, as seen from outside."""
-        return [f"/proc/{self.first_pid}/root{path}" for path, _ in _IN_MEMORY]
+        places_of_it = ["/dev/shm", *(path for path, _ in _IN_MEMORY)]  # noqa: S108
+        return [f"/proc/{self.first_pid}/root{path}" for path in places_of_it]
 
 
 def _arguments(folder: Path, uid: int | None) -> list[str]:
@@ -109,6 +111,9 @@ def _arguments(folder: Path, uid: int | None) -> list[str]:
     targets = [*places.readable(), *places.course(), Path(places.WORK)]
     parents = {parent for target in targets for parent in target.parents} - {Path("/")}
     mounts: list[str] = []
+    # Before what may lie below: a course in /tmp must still be seen.
+    for path, size in _IN_MEMORY:
+        mounts += ["--perms", "1777", "--size", str(size * 2**20), "--tmpfs", path]
     for parent in sorted(parents):  # bubblewrap would make them for its own eyes only
         mounts += ["--perms", "0755", "--dir", str(parent)]
     for place in places.readable():
@@ -118,8 +123,7 @@ def _arguments(folder: Path, uid: int | None) -> list[str]:
             mounts += ["--ro-bind", str(place.resolve()), str(place)]
     mounts += ["--proc", "/proc", "--dev", "/dev"]
     mounts += ["--ro-bind", "/dev/null", "/dev/zero"]  # mapped, it is memory that nobody counts
-    for path, size in _IN_MEMORY:
-        mounts += ["--perms", "1777", "--size", str(size * 2**20), "--tmpfs", path]
+    mounts += ["--perms", "1777", "--size", str(_SHARED * 2**20), "--tmpfs", "/dev/shm"]  # noqa: S108
     for part in places.course():
         mounts += ["--ro-bind", str(part), str(part)]
     # What `places.lay_out_pictures` puts beside the working folder.
