@@ -85,7 +85,7 @@ class Desk:
             worker.close()
         remove(self._scratch)
         remove(self._out)
-        del os.environ["COURSE_CANARY"]
+        os.environ.pop("COURSE_CANARY", None)
 
     def _begin(self, worker: WorkerProcess, root: Path) -> Task:
         (source,) = find_submissions(root)
