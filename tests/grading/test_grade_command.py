@@ -31,11 +31,19 @@ from course_lib.grading.sandbox import Limits
 from course_lib.grading.seeds import Seeds
 
 ROOT = Path(__file__).parents[2]
+# An editable install would find in this checkout what is not in a copy.
+_OF_A_COPY = """
+import sys
+sys.meta_path[:] = [f for f in sys.meta_path if not f.__module__.startswith("__editable__")]
+from course_lib.cli import main
+sys.exit(main())
+"""
 
 
 def course(*arguments: object, root: Path = ROOT, **more: str) -> subprocess.CompletedProcess:
+    start = ["-m", "course_lib.cli"] if root == ROOT else ["-c", _OF_A_COPY]
     return subprocess.run(
-        [sys.executable, "-m", "course_lib.cli", *map(str, arguments)],
+        [sys.executable, *start, *map(str, arguments)],
         capture_output=True,
         text=True,
         env={**os.environ, "PYTHONPATH": str(root), "COLUMNS": "100", **more},
