@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import time
 from pathlib import Path
@@ -30,8 +31,11 @@ pytestmark = pytest.mark.timeout(1800)
 CORRECT, MISTAKES = build.names("correct"), build.names("mistakes")
 # A loop that never ends is to cost these tests seconds, not minutes.
 LIMITS = Limits(wall_s=240, cell_s=25, call_s=12)
-# Every sample in one sandbox; in the other what must not differ: that right is right.
-GRADED = {"bubblewrap": [*CORRECT, *MISTAKES], "sandlock": CORRECT}
+# Every sample in one sandbox; in the other what must not differ: that right is right. All that is
+# right there, too, takes minutes more: `make test-samples`.
+ALL = os.environ.get("COURSE_ALL_SAMPLES") == "1"
+GRADED = {"bubblewrap": [*CORRECT, *MISTAKES], "sandlock": CORRECT if ALL else CORRECT[::4]}
+RIGHT = [(sandbox, name) for sandbox in GRADED for name in CORRECT if name in GRADED[sandbox]]
 
 
 class Class(NamedTuple):
@@ -114,8 +118,7 @@ def test_the_grader_itself_never_fails(graded, sandbox):
     assert broken == []
 
 
-@pytest.mark.parametrize("sandbox", GRADED)
-@pytest.mark.parametrize("name", CORRECT)
+@pytest.mark.parametrize(("sandbox", "name"), RIGHT)
 def test_what_is_right_gets_every_point(graded, sandbox, name):
     tests = _tests(graded[sandbox], name)
     assert tests

@@ -1,7 +1,7 @@
 """
 Every hostile and broken sample, beside a neighbour who must not notice.
 
-All of them under both sandboxes takes a quarter of an hour: `make test-hostile`. In every other run
+All of them under both sandboxes take a quarter of an hour: `make test-samples`. In every other run
 each is tried under one of the two, in turn, so that both see every kind.
 """
 
