@@ -34,7 +34,7 @@ _CONTENTS = (
     (".", "requirements.lock"),
 )
 _LIBRARY = "course_lib"
-_LIBRARY_SUFFIXES = {".py", ".js", ".css", ".html", ".j2", ".typed"}
+_LIBRARY_SUFFIXES = {".py", ".js", ".css", ".html", ".j2", ".typed", ".npz"}
 _STAYS_OUT = {"grading", "scenes"}
 _TEMPLATES = "course_lib/grading/bundle_files"
 
