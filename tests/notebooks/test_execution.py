@@ -1,11 +1,14 @@
-"""Notebooks run alone, headless, without network, in good time, and leave nothing behind."""
+"""
+Notebooks run alone, headless, without network, and leave nothing behind.
+
+How long they take is measured by `tests/bench/bench_notebooks.py`.
+"""
 
 from __future__ import annotations
 
 import asyncio
 import base64
 import os
-import resource
 import signal
 import subprocess
 import sys
@@ -26,7 +29,6 @@ from course_lib.publish.runner import NotebookFailed, run_notebook
 
 ROOT = Path(__file__).resolve().parents[2]
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
-BAR_SECONDS = 20
 
 PLOT = """
 import io, base64, ipywidgets
@@ -47,12 +49,6 @@ def write(path: Path, *sources: str) -> Path:
     return path
 
 
-def cpu_seconds() -> float:
-    """What the processes that this one started and saw ending have worked."""
-    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return usage.ru_utime + usage.ru_stime
-
-
 def kernels() -> set[str]:
     """The offline kernels that this process or its children started."""
     command = ["pgrep", "-u", str(os.getuid()), "-f", "course_lib.publish.offline_kernel"]
@@ -70,7 +66,7 @@ assert [child for child in children if not child.startswith("ps ")] == [], child
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-def test_notebook_runs_alone_offline_in_good_time_and_leaves_nothing(
+def test_notebook_runs_alone_offline_and_leaves_nothing(
     path: Path, tmp_path: Path
 ) -> None:
     notebook = nbformat.read(path, as_version=4)
@@ -82,12 +78,7 @@ def test_notebook_runs_alone_offline_in_good_time_and_leaves_nothing(
     (tmp_path / "notebooks").mkdir()
     copy = tmp_path / "notebooks" / path.name
     nbformat.write(notebook, copy)
-    wall, work = time.perf_counter(), cpu_seconds()
     run_notebook(copy, cell_timeout=120)
-    wall, work = time.perf_counter() - wall, cpu_seconds() - work
-    # Where processes queue for the processors, the clock on the wall measures the others.
-    is_busy = os.getloadavg()[0] > (os.cpu_count() or 1)
-    assert (min(wall, work) if is_busy else wall) < BAR_SECONDS
 
 
 def test_network_is_refused_by_name(tmp_path: Path) -> None:
