@@ -66,9 +66,7 @@ assert [child for child in children if not child.startswith("ps ")] == [], child
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-def test_notebook_runs_alone_offline_and_leaves_nothing(
-    path: Path, tmp_path: Path
-) -> None:
+def test_notebook_runs_alone_offline_and_leaves_nothing(path: Path, tmp_path: Path) -> None:
     notebook = nbformat.read(path, as_version=4)
     notebook.cells.append(new_code_cell(LOOK_BACK))
     # A folder like the repository, so that relative paths hold and nothing is written into it.
