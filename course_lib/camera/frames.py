@@ -153,6 +153,7 @@ def read_truth(file: Path) -> dict[str, Any] | None:
     CameraError
         The record is damaged.
     """
+    file = file.resolve()  # a link's truth is that of what it leads to
     record = file.parent / "truth" / f"{file.stem}.json"
     if not record.is_file():
         return None
