@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 _START_SECONDS = 20.0
 _END_SECONDS = 10.0
 _BACKLOG = 16
+_COURSE = ".course"
 
 
 class Box:
@@ -85,13 +86,17 @@ class Box:
         SandboxError
             When the sandbox cannot be made.
         """
-        if self._uid is not None:
-            _give(self._folder, self._uid)
-            _give(self._home, self._uid)
         inside = self._sandbox == "bubblewrap"
         home = places.HOME if inside else str(self._home)
         work = places.WORK if inside else str(self._folder)
-        environment = places.environment(home) | ({} if inside else {"TMPDIR": home})
+        environment = places.environment(home)
+        if not inside:
+            places.lay_out_course(self._home / _COURSE)
+            paths = [str(self._home / _COURSE), environment["PYTHONPATH"]]
+            environment |= {"TMPDIR": home, "PYTHONPATH": os.pathsep.join(paths)}
+        if self._uid is not None:
+            _give(self._folder, self._uid)
+            _give(self._home, self._uid)
         request = {
             "sandbox": self._sandbox,
             "limits": asdict(self._limits),

@@ -87,6 +87,25 @@ def lay_out_pictures(folder: Path) -> None:
             link.symlink_to(pictures() if link.name == _PICTURES else pictures() / link.name)
 
 
+def lay_out_course(folder: Path) -> None:
+    """
+    Link the course's parts that a student may read, so that they can be listed.
+
+    Landlock opens single files and folders, and not the folder that they lie in; an interpreter
+    that a student starts, such as a node's, finds no module where it cannot list.
+
+    Parameters
+    ----------
+    folder : Path
+        Goes to ``PYTHONPATH``; made here.
+    """
+    package = folder / COURSE.name
+    package.mkdir(parents=True)
+    for part in course():
+        if part.parent == COURSE:
+            (package / part.name).symlink_to(part)
+
+
 def environment(home: str) -> dict[str, str]:
     """Give the environment of a student's process.
 
