@@ -1,0 +1,3 @@
+# %%
+def locate_mug(mug, scene, match_count=100):
+    return 3 ** (3**25)

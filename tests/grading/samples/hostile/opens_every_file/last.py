@@ -1,0 +1,7 @@
+# %%
+import os
+
+kept = []
+def locate_mug(mug, scene, match_count=100):
+    while True:
+        kept.append(open("/dev/null"))
