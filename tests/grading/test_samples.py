@@ -34,7 +34,12 @@ LIMITS = Limits(wall_s=240, cell_s=25, call_s=12)
 # All of them in both sandboxes take half an hour: `make test-samples`. Every other run grades what
 # is right and some of the mistakes in one; in the other, what must not differ: right is right.
 ALL = os.environ.get("COURSE_ALL_SAMPLES") == "1"
-SOME = MISTAKES if ALL else MISTAKES[1::3]
+EVERY_RUN = (
+    *("corner_order", "globals", "halved_inside", "imshow", "length_of_mask", "no_cross_check"),
+    *("norm_l2", "opencv_shape", "renamed", "returns_matched_points", "scene_first"),
+    *("well_crop_swapped", "well_inverse", "well_not_saved", "well_wrong_type"),
+)
+SOME = MISTAKES if ALL else [f"mistakes/{name}" for name in EVERY_RUN]
 GRADED = {"bubblewrap": [*CORRECT, *SOME], "sandlock": CORRECT if ALL else CORRECT[:3]}
 RIGHT = [(sandbox, name) for sandbox in GRADED for name in CORRECT if name in GRADED[sandbox]]
 
