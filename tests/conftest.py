@@ -11,7 +11,7 @@ from hypothesis import settings
 settings.register_profile("course", deadline=None)
 settings.load_profile("course")
 
-collect_ignore = ["hidden"]  # these run inside the grader
+collect_ignore = ["hidden", "grading/quick_hidden"]  # these run inside the grader
 
 
 def pytest_sessionfinish(session: pytest.Session) -> None:

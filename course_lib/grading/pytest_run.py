@@ -54,10 +54,30 @@ def run(
     given += [f"--rootdir={root}", *options]
     for name in _OFF:
         given += ["-p", f"no:{name}"]
-    # Other plugins that happen to be installed cost start-up time and have no say here.
-    os.environ["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"
-    with Path(os.devnull).open("w") as nowhere, contextlib.redirect_stdout(nowhere):
-        return pytest.main([*given, *map(str, paths)], plugins=[plugin, _Straight(paths)])
+    arguments = [*given, *map(str, paths)]
+    with (
+        _no_other_plugins(),
+        Path(os.devnull).open("w") as nowhere,
+        contextlib.redirect_stdout(nowhere),
+    ):
+        return pytest.main(arguments, plugins=[plugin, _Straight(paths)])
+
+
+@contextlib.contextmanager
+def _no_other_plugins() -> Iterator[None]:
+    """Leave out what happens to be installed: it costs start-up time and has no say here.
+
+    Pytest takes this from the environment only, where the caller wants nothing left.
+    """
+    name = "PYTEST_DISABLE_PLUGIN_AUTOLOAD"
+    before = os.environ.get(name)
+    os.environ[name] = "1"
+    try:
+        yield
+    finally:
+        os.environ.pop(name)
+        if before is not None:
+            os.environ[name] = before
 
 
 class _Straight:

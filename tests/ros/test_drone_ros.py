@@ -89,10 +89,12 @@ def test_rostopic_pub_flies_it_to_the_well_and_a_node_finds_it(ros: Ros, tmp_pat
     places = np.array([[getattr(m.pose.position, k) for k in "xyz"] for _, m in poses])
     way = np.linalg.norm(places - places[0], axis=1)
     assert way[-1] > 1  # it flew
-    speed = np.linalg.norm(places[1:] - places[:-1], axis=1) / np.diff(times)
+    # Over the whole way: on a busy machine single pictures come late, and then two at once.
+    steady = (way > 0.2 * way[-1]) & (way < 0.8 * way[-1])
+    speed = np.polyfit(times[steady] - times[0], way[steady], 1)[0]
     assert np.ptp(way[times < times[0] + 0.5]) < 0.02  # nobody had commanded it
-    assert np.percentile(speed, 90) == pytest.approx(0.5, abs=0.15)
-    assert np.median(speed[-3:]) < 0.02  # and it hovers once nobody commands it
+    assert speed == pytest.approx(0.5, abs=0.15)
+    assert np.ptp(way[times > times[-1] - 0.5]) < 0.02  # and hovers once nobody commands it
     assert np.linalg.norm(places[-1][:2]) < np.linalg.norm(places[0][:2]) - 1  # to the well
 
     truth = {stamp(m): points(m) for _, m in messages["/drone/well"]}
