@@ -55,7 +55,9 @@ def start(request: dict[str, Any], descriptors: list[int], answer: socket.socket
         return
     socket.send_fds(answer, [json.dumps({"pid": pid}).encode()], [handle])
     os.close(handle)
-    if request["sandbox"] != "bubblewrap":
+    if request["sandbox"] == "bubblewrap":
+        _bury(pid)
+    else:
         _guard(answer)
 
 
@@ -134,6 +136,15 @@ def _landlock(work: str, home: str) -> None:
             fs_readable=[str(path) for path in readable if path.exists()], fs_writable=writable
         )
     )
+
+
+def _bury(pid: int) -> None:
+    """Wait for the kernel's end: only its parent can, and the container ends when all are buried.
+
+    The launcher waits for this process, which holds the socket for the answer.
+    """
+    with contextlib.suppress(ChildProcessError):
+        os.waitpid(pid, 0)
 
 
 def _guard(answer: socket.socket) -> None:
