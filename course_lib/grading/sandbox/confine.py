@@ -126,7 +126,8 @@ def set_limits(limits: Limits, processes: int, pid: int = 0) -> None:
         # Addresses alone cost tables; libraries reserve far more of them than they use.
         resource.RLIMIT_AS: pages * resource.getpagesize() + 4 * limits.memory_bytes,
         resource.RLIMIT_DATA: limits.memory_bytes,
-        resource.RLIMIT_CPU: int(limits.cpu_s) + 1,
+        # For each process. The watcher must come first, even late: it says why it ends them.
+        resource.RLIMIT_CPU: int(limits.cpu_s) + 5,
         resource.RLIMIT_NPROC: processes,
         resource.RLIMIT_FSIZE: limits.file_bytes,
         resource.RLIMIT_NOFILE: limits.open_files,

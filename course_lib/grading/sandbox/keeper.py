@@ -13,7 +13,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from course_lib.grading.sandbox import confine, places
+from course_lib.grading.sandbox import confine, forks, places
 from course_lib.grading.sandbox.limits import Limits
 from course_lib.grading.sandbox.processes import descendants
 
@@ -40,11 +40,14 @@ def start(request: dict[str, Any], descriptors: list[int], answer: socket.socket
         if request["uid"] is not None:
             _become(request["uid"])
     reading, writing = os.pipe()
+    asked, asking = socket.socketpair()
     pid = os.fork()
     if pid == 0:
         os.close(reading)
-        _run_kernel(request, descriptors, limits, writing)
+        asked.close()
+        _run_kernel(request, descriptors, limits, writing, asking)
     os.close(writing)
+    asking.close()
     for descriptor in descriptors:
         os.close(descriptor)
     handle = os.pidfd_open(pid)
@@ -58,7 +61,7 @@ def start(request: dict[str, Any], descriptors: list[int], answer: socket.socket
     if request["sandbox"] == "bubblewrap":
         _bury(pid)
     else:
-        _guard(answer)
+        _guard(answer, _forks(asked, limits))
 
 
 def _into_container(pidfd: int, uid: int | None) -> None:
@@ -80,7 +83,11 @@ def _become(uid: int) -> None:
 
 
 def _run_kernel(
-    request: dict[str, Any], listeners: list[int], limits: Limits, writing: int
+    request: dict[str, Any],
+    listeners: list[int],
+    limits: Limits,
+    writing: int,
+    asking: socket.socket,
 ) -> None:
     """Be the kernel; never returns."""
     # Imported already, but only where kernels are forked: it takes long.
@@ -90,7 +97,7 @@ def _run_kernel(
     try:
         os.setsid()
         signal.signal(signal.SIGCHLD, signal.SIG_DFL)
-        _close_all_but({*listeners, writing})
+        _close_all_but({*listeners, writing, asking.fileno()})
         os.environ.clear()
         os.environ.update(request["environment"])
         os.chdir(request["work"])
@@ -103,6 +110,9 @@ def _run_kernel(
         confine.set_limits(limits, limits.processes + request["others"])
         if sandboxed:
             confine.deny_calls(local_only=request["sandbox"] == "sandlock")
+        if request["sandbox"] == "sandlock" and request["uid"] is None:
+            _ask(asking)
+        asking.close()
         os.close(writing)
         bootstrap.run(request["connection"], listeners, loopback=request["sandbox"] != "sandlock")
         status = 0
@@ -138,6 +148,20 @@ def _landlock(work: str, home: str) -> None:
     )
 
 
+def _ask(asking: socket.socket) -> None:
+    """Let the keeper count processes, which the system does not for root, nor by submission."""
+    with contextlib.suppress(OSError):  # then the watcher alone ends who starts too many
+        listener = forks.ask_for_each()
+        socket.send_fds(asking, [b"x"], [listener])
+        os.close(listener)
+
+
+def _forks(asked: socket.socket, limits: Limits) -> forks.Forks | None:
+    with asked:
+        _, listeners, _, _ = socket.recv_fds(asked, 1, 1)
+    return forks.Forks(listeners[0], limits.processes) if listeners else None
+
+
 def _bury(pid: int) -> None:
     """Wait for the kernel's end: only its parent can, and the container ends when all are buried.
 
@@ -147,13 +171,15 @@ def _bury(pid: int) -> None:
         os.waitpid(pid, 0)
 
 
-def _guard(answer: socket.socket) -> None:
+def _guard(answer: socket.socket, counted: forks.Forks | None) -> None:
     """Wait until the launcher hangs up; then end every descendant, however far it strayed."""
     for standard in (0, 1, 2):
         with contextlib.suppress(OSError):
             os.close(standard)
+    if counted:
+        counted.serve(until=answer.fileno())
     answer.recv(1)
-    # Root's processes may be started without number: whoever ends them must come first.
+    # Where nobody counts, root's processes may be without number: who ends them must come first.
     with contextlib.suppress(OSError):
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(1))
     mine = os.getpid()
