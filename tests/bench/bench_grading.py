@@ -3,7 +3,8 @@ Seconds per submission: `course grade` against nbgrader, otter-grader and no gra
 
 All grade the same notebook with the same four public checks and four hidden tests (`graders/`), on
 two processors, in interleaved rounds of one run; the medians over the rounds are compared, so the
-ratios hold on any machine. Everything counts, from the start of a command to its end, and every
+ratios hold on any machine. Processor time is compared with that of as many plain scripts at a
+time as there are workers. Everything counts, from the start of a command to its end, and every
 process that it starts. Before, each must give a right submission 8 points and a wrong one 3.
 Then `course grade` grades classes of several sizes: its memory must not grow with them.
 
@@ -95,11 +96,12 @@ def report_speed(
 ) -> list[Bar]:
     """Print the table; give the bars on speed."""
     medians = {title: middle(some) for title, some in spent.items()}
-    script, batch = medians[Script.title], medians.get(Nbgrader.title)
-    table = Table("per submission, medians", "graded", "wall s", "CPU s", "CPU ÷ script", "")
+    batch = medians.get(Nbgrader.title)
+    table = Table("per submission, medians", "graded", "wall s", "CPU s", "CPU ÷ scripts", "")
     bars = []
     for contestant in contestants:
         own = medians[contestant.title]
+        script = medians[Script.titled(contestant.workers if isinstance(contestant, Ours) else 1)]
         cpu = own.cpu / script.cpu if own.cpu and script.cpu else None
         times = batch.wall / own.wall if batch else None
         table.add_row(
@@ -120,7 +122,7 @@ def report_speed(
                 Bar(f"{some}: {text} (bar: {BAR_CPU})", None if cpu is None else cpu <= BAR_CPU)
             )
     Console(width=110).print(table)
-    if script.cpu is None:
+    if any(median.cpu is None for median in medians.values()):
         print("no control group can be made here, so nobody can say what the sandboxes' CPU was")
     return bars
 
@@ -151,7 +153,7 @@ def load() -> str:
 
 def compete(options: argparse.Namespace, folder: Path) -> list[Bar]:
     students = names(options.submissions)
-    contestants: list[Contestant] = [Script(folder / "script")]
+    contestants: list[Contestant] = [Script(folder / f"script-{n}", n) for n in (2, 1)]
     contestants += [Ours(folder / f"ours-{workers}", workers) for workers in (2, 1)]
     if not options.alone:
         for peer in (peers.NBGRADER, peers.OTTER):

@@ -28,7 +28,16 @@ from course_lib.grading.sandbox import keeper
 
 _WARM = (
     "IPython.core.completer",
+    "IPython.core.completerlib",
     "IPython.core.magics",
+    "IPython.core.magics.ast_mod",
+    "IPython.core.magics.execution",
+    "IPython.core.oinspect",
+    "IPython.extensions.storemagic",
+    "PIL.BmpImagePlugin",  # Pillow looks for these at its first picture
+    "PIL.GifImagePlugin",
+    "PIL.JpegImagePlugin",
+    "PIL.PpmImagePlugin",
     "course_lib.display",
     "course_lib.drawing",
     "course_lib.grading.node_run",
@@ -37,6 +46,7 @@ _WARM = (
     "ipykernel.ipkernel",
     "matplotlib.pyplot",
     "matplotlib_inline.backend_inline",
+    "tornado.platform.asyncio",
 )
 _MOST_REQUEST = 1 << 16
 _MOST_DESCRIPTORS = 7
@@ -69,6 +79,9 @@ def _warm_up() -> None:
         importlib.import_module("ipykernel.debugger")
     for name in _WARM:
         importlib.import_module(name)
+    # Matplotlib reads the metadata of every installed package to find `inline`, and remembers.
+    backends = importlib.import_module("matplotlib.backends.registry")
+    backends.backend_registry.resolve_gui_or_backend("inline")
 
 
 def _keep(request: dict[str, Any], descriptors: list[int]) -> None:
