@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_lib.grading.messages import Finished, Settings, Started, Task
+from course_lib.grading.nursery import Nursery
 from course_lib.grading.process import WorkerError, WorkerLostError, WorkerProcess
 from course_lib.grading.results import SubmissionResult
 from course_lib.grading.scratch import remove, scratch_folder
@@ -49,6 +50,7 @@ class Pool:
         self._settings = settings
         self._most = max(1, workers)
         self._selector = selectors.DefaultSelector()
+        self._nurseries: list[Nursery] = []  # a second one if the first has died
         self._workers: list[WorkerProcess] = []
         self._waiting: deque[Task] = deque()
         self._losses: Counter[str] = Counter()
@@ -77,7 +79,10 @@ class Pool:
             self._close()
 
     def _add(self) -> None:
-        worker = WorkerProcess(self._settings, self._scratch / str(self._made))
+        if not self._nurseries or not self._nurseries[-1].is_alive():
+            self._nurseries.append(Nursery())
+        folder = self._scratch / str(self._made)
+        worker = WorkerProcess(self._settings, folder, self._nurseries[-1])
         self._made += 1
         self._workers.append(worker)
         self._selector.register(worker, selectors.EVENT_READ)
@@ -128,5 +133,7 @@ class Pool:
         for worker in self._workers:
             worker.close()
         self._workers.clear()
+        for nursery in self._nurseries:
+            nursery.close()
         self._selector.close()
         remove(self._scratch)

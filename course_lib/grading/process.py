@@ -6,14 +6,13 @@ import contextlib
 import os
 import signal
 import socket
-import subprocess
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import course_lib
 from course_lib.grading import framing
 from course_lib.grading.messages import Finished, Settings, Task, from_message
+from course_lib.grading.nursery import Nursery
 from course_lib.grading.sandbox import processes
 from course_lib.grading.scratch import remove
 
@@ -41,9 +40,11 @@ class WorkerProcess:
     settings : Settings
     scratch : Path
         A folder for its temporary files; it must not exist.
+    nursery : Nursery, optional
+        Where it is forked; by default in one of its own.
     """
 
-    def __init__(self, settings: Settings, scratch: Path) -> None:
+    def __init__(self, settings: Settings, scratch: Path, nursery: Nursery | None = None) -> None:
         self.task: Task | None = None
         self.ready = False
         self._scratch = scratch
@@ -51,19 +52,16 @@ class WorkerProcess:
         self._link, theirs = socket.socketpair()
         self._link.settimeout(_SEND_SECONDS)  # it is asked only when it has something to say
         self._complaints = scratch.with_name(f"{scratch.name}.log")
-        # A folder of submissions may be the current one: nothing there may be imported.
+        self._nursery = nursery or Nursery()
+        self._has_own = nursery is None
         with theirs, self._complaints.open("wb") as complaints:
-            self._process = subprocess.Popen(  # noqa: S603
-                [sys.executable, "-P", "-m", f"{__package__}.worker", str(theirs.fileno())],
-                pass_fds=(theirs.fileno(),),
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL,
-                stderr=complaints,
-                cwd="/",
-                env=environment(os.environ),
-                start_new_session=True,  # a terminal's Ctrl-C is for the grader alone
-            )
-        first = {"settings": settings.to_data(), "scratch": str(scratch)}
+            self._number = self._nursery.start(theirs, complaints.fileno())
+        first = {
+            "settings": settings.to_data(),
+            "scratch": str(scratch),
+            "environment": environment(os.environ),
+            "grader": os.getpid(),
+        }
         self._link.sendall(framing.pack(first))
 
     def fileno(self) -> int:
@@ -107,24 +105,25 @@ class WorkerProcess:
     def close(self) -> None:
         """End it, wait for it, and leave nothing of it behind."""
         self.hang_up()
-        try:
-            self._process.wait(_END_SECONDS)
-        except subprocess.TimeoutExpired:
-            for pid in [*processes.descendants(self._process.pid), self._process.pid]:
+        if not self._nursery.wait(self._number, _END_SECONDS):
+            worker = self._nursery.pid(self._number)
+            for pid in [*processes.descendants(worker), worker] if worker else []:
                 with contextlib.suppress(OSError):
                     os.kill(pid, signal.SIGKILL)
-            self._process.wait()
+            self._nursery.wait(self._number, _END_SECONDS)
+        if self._has_own:
+            self._nursery.close()
         remove(self._scratch)
         self._complaints.unlink(missing_ok=True)
 
     def _last_words(self) -> str:
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            self._process.wait(1.0)
-        code = self._process.poll()
-        how = "hung up" if code is None else f"ended with status {code}"
+        ended = self._nursery.wait(self._number, 1.0)
+        code = self._nursery.status(self._number) if ended else None
+        how = "hung up" if not ended else f"ended with status {code}"
         if code is not None and code < 0:
             how = f"was ended by {signal.Signals(-code).name}"
         said = self._complaints.read_bytes()[-2000:].decode(errors="replace").strip()
+        said = said or self._nursery.last_words()
         return f"a worker {how}" + (f": {said.splitlines()[-1]}" if said else "")
 
 

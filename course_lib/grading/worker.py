@@ -3,8 +3,8 @@ A process that grades one submission after the other, each in a child of its own
 
 It imports what grading needs once and forks: a child costs a few milliseconds, its memory goes with
 it, and its crash or hang is its own. Whatever a submission leaves behind, processes or files, is
-gone before the next begins. Started as ``python -m course_lib.grading.worker N`` with the number of
-an inherited socket, on which it takes `Settings` and then `Task`s, and answers results.
+gone before the next begins. It is forked from the `nursery` with a socket, on which it takes
+`Settings` and then `Task`s, and answers results.
 """
 
 from __future__ import annotations
@@ -74,10 +74,19 @@ class Worker:
     settings : Settings
     scratch : Path
         An empty folder of its own, for temporary files.
+    zygote : tuple of int and socket
+        For the first launcher.
     """
 
-    def __init__(self, link: socket.socket, settings: Settings, scratch: Path) -> None:
+    def __init__(
+        self,
+        link: socket.socket,
+        settings: Settings,
+        scratch: Path,
+        zygote: tuple[int, socket.socket],
+    ) -> None:
         self._link = link
+        self._zygote: tuple[int, socket.socket] | None = zygote
         self._settings = settings
         self._scratch = scratch
         self._launcher: Launcher | None = None
@@ -91,7 +100,7 @@ class Worker:
         RuntimeError
             When a thread has started: its locks would stay locked in a fork.
         """
-        launcher = self._start_launcher()  # its interpreter warms up at the same time
+        launcher = self._start_launcher()
         lean.import_nbformat()
         module_name, _, name = self._settings.grade.partition(":")
         module = importlib.import_module(module_name)
@@ -165,7 +174,8 @@ class Worker:
     def _start_launcher(self) -> Launcher:
         if self._launcher is None:
             self._scratch.mkdir(mode=0o711, exist_ok=True)
-            launcher = Launcher(self._settings.sandbox, self._settings.limits)
+            given, self._zygote = self._zygote, None
+            launcher = Launcher(self._settings.sandbox, self._settings.limits, given)
             self._launcher = launcher.__enter__()
         return self._launcher
 
@@ -324,18 +334,24 @@ def _bury(keep: int | None) -> None:
             os.waitpid(ended.si_pid, 0)
 
 
-def main() -> None:
-    """Serve the grader on the socket whose number is the one argument."""
-    link = socket.socket(fileno=int(sys.argv[1]))
-    link.set_inheritable(False)
+def serve(link: socket.socket, zygote: tuple[int, socket.socket]) -> None:
+    """Serve the grader.
+
+    Parameters
+    ----------
+    link : socket
+        To the grader.
+    zygote : tuple of int and socket
+        A child that forks kernels, and where it listens.
+    """
     confine.become_subreaper()  # what a killed child leaves behind is found below this process
-    grader = os.getppid()
     first, _ = framing.receive(link)
+    _take_over(first["environment"])
     scratch = Path(first["scratch"])
     tempfile.tempdir = str(scratch)
     worker: Worker | None = None
     try:
-        worker = Worker(link, Settings.from_data(first["settings"]), scratch)
+        worker = Worker(link, Settings.from_data(first["settings"]), scratch, zygote)
         worker.prepare()
         link.sendall(framing.pack({"ready": True}))
         worker.serve()
@@ -345,11 +361,22 @@ def main() -> None:
     finally:
         if worker:
             worker.close()
-        if os.getppid() != grader:  # it was killed: nobody else will clear up
+        if _is_dead(first["grader"]):  # it was killed: nobody else will clear up
             scratch.with_name(f"{scratch.name}.log").unlink(missing_ok=True)
             with contextlib.suppress(OSError):  # the last worker to leave can
                 scratch.parent.rmdir()
 
 
-if __name__ == "__main__":
-    main()
+def _take_over(environment: dict[str, str]) -> None:
+    """Use the grader's environment instead of the one that kernels are forked with."""
+    os.environ.clear()
+    os.environ.update(environment)
+    paths = environment["PYTHONPATH"].split(os.pathsep)
+    sys.path[:0] = [path for path in paths if path not in sys.path]
+
+
+def _is_dead(pid: int) -> bool:
+    try:
+        return processes.fields(pid)[0] in b"ZX"
+    except OSError:
+        return True

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+import signal
 import socket
 import stat
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
@@ -39,28 +41,30 @@ class Launcher:
         See `choose`.
     limits : Limits, optional
         What each submission may use.
+    zygote : tuple of int and socket, optional
+        A child that serves the other end of the socket (`zygote.serve`); otherwise an interpreter
+        is started.
     """
 
-    def __init__(self, sandbox: str | None = None, limits: Limits | None = None) -> None:
+    def __init__(
+        self,
+        sandbox: str | None = None,
+        limits: Limits | None = None,
+        zygote: tuple[int, socket.socket] | None = None,
+    ) -> None:
         self.sandbox = choose(sandbox)
         self.limits = limits or Limits()
-        self._zygote: subprocess.Popen[bytes] | None = None
+        self._given = zygote
+        self._zygote: subprocess.Popen[bytes] | _Child | None = None
         self._control: socket.socket | None = None
         self._is_ready = False
         self._uid = _spare_uid(self.sandbox)
 
     def __enter__(self) -> Self:
-        self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        with theirs:
-            self._zygote = subprocess.Popen(  # noqa: S603
-                [sys.executable, "-m", f"{__package__}.zygote", str(theirs.fileno())],
-                pass_fds=(theirs.fileno(),),
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL,
-                # Its home is where matplotlib keeps its list of fonts, which takes long to make.
-                env=places.environment(os.environ.get("HOME", "/")),
-                start_new_session=True,
-            )
+        if self._given:
+            self._zygote, self._control = _Child(self._given[0]), self._given[1]
+        else:
+            self._zygote, self._control = _execute()
         self._control.settimeout(_READY_SECONDS)
         return self
 
@@ -216,6 +220,47 @@ class SandboxedKernel:
         trace: TracebackType | None,
     ) -> None:
         self.close()
+
+
+def _execute() -> tuple[subprocess.Popen[bytes], socket.socket]:
+    mine, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    with theirs:
+        zygote = subprocess.Popen(  # noqa: S603
+            [sys.executable, "-m", f"{__package__}.zygote", str(theirs.fileno())],
+            pass_fds=(theirs.fileno(),),
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            # Its home is where matplotlib keeps its list of fonts, which takes long to make.
+            env=places.environment(os.environ.get("HOME", "/")),
+            start_new_session=True,
+        )
+    return zygote, mine
+
+
+class _Child:
+    """A forked child, to be used like one that `subprocess` has started."""
+
+    def __init__(self, pid: int) -> None:
+        self.pid = pid
+        self._ended = False
+
+    def poll(self) -> int | None:
+        if not self._ended:
+            with suppress(ChildProcessError):
+                if os.waitpid(self.pid, os.WNOHANG)[0] == 0:
+                    return None
+            self._ended = True
+        return 0
+
+    def kill(self) -> None:
+        if self.poll() is None:
+            os.kill(self.pid, signal.SIGKILL)
+
+    def wait(self) -> None:
+        if not self._ended:
+            with suppress(ChildProcessError):
+                os.waitpid(self.pid, 0)
+            self._ended = True
 
 
 def _empty(client: BlockingKernelClient) -> None:

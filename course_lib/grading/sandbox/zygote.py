@@ -1,10 +1,10 @@
 """
 A warm interpreter that forks kernels: what takes a second to import is imported once.
 
-It is executed anew, with a clean environment, and never sees a test, a seed or a submission; its
-only visitor is the launcher. For each request it forks a keeper. The keeper steps into the
-container, or confines itself, gives up its powers and forks the kernel, and then answers with a
-handle on it.
+It is executed anew, or forked from the `nursery`, with a clean environment, and never sees a test,
+a seed or a submission; its only visitor is the launcher. For each request it forks a keeper. The
+keeper steps into the container, or confines itself, gives up its powers and forks the kernel, and
+then answers with a handle on it.
 
 A request is one message: JSON, and with it the descriptors of a socket for the answer, of the
 container's first process, of four listening sockets and of the working folder.
@@ -53,11 +53,22 @@ _MOST_DESCRIPTORS = 7
 
 
 def main() -> None:
-    """Serve the launcher on the socket whose number is the one argument, until it hangs up."""
+    """Serve the launcher on the socket whose number is the one argument."""
     control = socket.socket(fileno=int(sys.argv[1]))
-    _warm_up()
+    warm_up()
     gc.collect()
     gc.freeze()  # what is here stays: a collection in a child need not touch, and so copy, it
+    serve(control)
+
+
+def serve(control: socket.socket) -> None:
+    """Fork kernels until the launcher hangs up.
+
+    Parameters
+    ----------
+    control : socket
+        To the launcher.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # a terminal's Ctrl-C is the grader's business
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # keepers need no waiting for
     control.send(b"ready")
@@ -73,7 +84,7 @@ def main() -> None:
             os.close(descriptor)
 
 
-def _warm_up() -> None:
+def warm_up() -> None:
     """Import what kernels will need. No thread may start here: only then can a child step over."""
     with lean.without("debugpy"):  # nobody attaches; each kernel would import it anew
         importlib.import_module("ipykernel.debugger")

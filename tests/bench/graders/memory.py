@@ -30,11 +30,11 @@ class Peaks:
     def look(self, grader: int) -> None:
         children = _children()
         self._note("grader", grader)
-        for worker in children[grader]:
-            if _runs(worker, "course_lib.grading.worker"):
-                self._note("worker", worker)
+        nurseries = [pid for pid in children[grader] if _is(pid, "nursery")]
+        for worker in (pid for nursery in nurseries for pid in children[nursery]):
+            self._note("worker", worker)
             for pid in children[worker]:
-                if _runs(pid, "course_lib.grading.sandbox.zygote"):
+                if _is(pid, "zygote"):
                     self._note("zygote", pid)
 
     def _note(self, role: str, pid: int) -> None:
@@ -54,7 +54,7 @@ def _children() -> dict[int, list[int]]:
     return found
 
 
-def _runs(pid: int, module: str) -> bool:
+def _is(pid: int, name: str) -> bool:
     with suppress(OSError):
-        return module in Path(f"/proc/{pid}/cmdline").read_bytes().decode().split("\0")
+        return Path(f"/proc/{pid}/comm").read_text().strip() == name
     return False
