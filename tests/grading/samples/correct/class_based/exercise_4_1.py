@@ -32,7 +32,15 @@ class MugFinder:
             p2 = np.asarray([k2[m.trainIdx].pt for m in ms], "f4")
             H, ok = cv2.findHomography(p1, p2, cv2.RANSAC, 5)
             if H is not None and int(ok.sum()) > 10:
-                return self.corners(H, *mug.shape[:2])
+                corners = self.corners(H, *mug.shape[:2])
+                if self.possible(corners):
+                    return corners
+
+    @staticmethod
+    def possible(corners):
+        x, y = (np.roll(corners, -1, axis=0) - corners).T
+        turns = x * np.roll(y, -1) - y * np.roll(x, -1)
+        return bool((turns < -100).all())  # left at every corner, and not by a hair
 
     @staticmethod
     def corners(H, rows, cols):

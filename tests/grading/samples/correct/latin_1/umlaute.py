@@ -41,7 +41,9 @@ def locate_mug(tasse, regal, anzahl=100):
         return None
     höhe, breite = tasse.shape[:2]
     ecken = np.float32([[0, 0], [0, höhe - 1], [breite - 1, höhe - 1], [breite - 1, 0]])
-    return cv2.perspectiveTransform(ecken[None], H)[0]
+    umriss = cv2.perspectiveTransform(ecken[None], H)[0]
+    möglich = cv2.isContourConvex(umriss) and -cv2.contourArea(umriss, oriented=True) > 400
+    return umriss if möglich else None
 # %%
 tasse, regal = load_images()
 punkte_t, besch_t = find_keypoints(tasse)

@@ -62,7 +62,11 @@ def locate_mug(mug, scene, match_count=100):
         return None
     height, width = mug.shape[:2]
     corners = np.float32([[0, 0], [0, height - 1], [width - 1, height - 1], [width - 1, 0]])
-    return cv2.perspectiveTransform(corners.reshape(-1, 1, 2), homography)[:, 0]
+    outline = cv2.perspectiveTransform(corners.reshape(-1, 1, 2), homography)[:, 0]
+    mirrored_or_tiny = cv2.contourArea(outline, oriented=True) > -400
+    if mirrored_or_tiny or not cv2.isContourConvex(outline):
+        return None
+    return outline
 
 
 # In[8]:

@@ -40,7 +40,11 @@ def locate_mug(mug, scene, match_count=100):
         return None
     h, w = mug.shape[:2]
     pts = np.float32([[0, 0], [0, h - 1], [w - 1, h - 1], [w - 1, 0]]).reshape(-1, 1, 2)
-    return cv2.perspectiveTransform(pts, M).reshape(4, 2)
+    corners = cv2.perspectiveTransform(pts, M).reshape(4, 2)
+    # the right way round and of some size: then the area is negative and large
+    if not cv2.isContourConvex(corners) or cv2.contourArea(corners, oriented=True) > -400:
+        return None
+    return corners
 
 # %%
 mug, scene = load_images()
