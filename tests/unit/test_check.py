@@ -157,17 +157,21 @@ def test_absence_that_is_not_thought_of_is_named(old: str, new: str, words: str)
     assert words in last.help
 
 
-def test_pictures_found_only_beside_the_notebook_are_named(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("place", "verdict"),
+    [("../images", Verdict.RIGHT), ("images", Verdict.RIGHT), ("../my_pictures", Verdict.WRONG)],
+)
+def test_pictures_that_grading_would_not_find_are_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str, verdict: Verdict
 ) -> None:
     """Where it is graded, the notebook's folder is another one."""
-    (tmp_path / "images").symlink_to(ROOT / "images")
     (tmp_path / "exercises").mkdir()
     monkeypatch.chdir(tmp_path / "exercises")
-    text = re.sub(r'images\.load\("(\w+\.png)"\)', r'cv2.imread("../images/\1")', source())
+    Path(place).symlink_to(ROOT / "images")
+    text = re.sub(r'images\.load\("(\w+\.png)"\)', rf'cv2.imread("{place}/\1")', source())
     row = rows("load_images", names(text))[0]
-    assert row.verdict is Verdict.WRONG
-    assert "only from this folder" in row.help
+    assert row.verdict is verdict
+    assert verdict is Verdict.RIGHT or "only from this folder" in row.help
 
 
 @pytest.mark.parametrize(

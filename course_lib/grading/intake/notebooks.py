@@ -55,13 +55,20 @@ class Found:
     done: int
 
     def belongs_to(self, exercise: str) -> tuple[int, int, bool, str]:
-        """Rank how well it fits an exercise: the more, the better; all zero, not at all."""
+        """
+        Rank how well it fits an exercise: the more, the better; all zero, not at all.
+
+        Both exercises have a function `find_keypoints`. So what is named for the other exercise
+        alone must hold most of this one's functions to be taken for it.
+        """
         number = sum(name in self.defined for name in FUNCTIONS[exercise])
-        hint = _FILE_NAME.search(self.path.stem)
+        named_for = set(_FILE_NAME.findall(self.path.stem))
+        if named_for and exercise[-1] not in named_for and 2 * number <= len(FUNCTIONS[exercise]):
+            number = 0
         return (
             number,
             self.done if number else 0,
-            bool(hint and hint[1] == exercise[-1]),
+            exercise[-1] in named_for,
             self.path.name,
         )
 

@@ -1,0 +1,45 @@
+"""Which notebook is taken for which exercise."""
+
+from __future__ import annotations
+
+import nbformat
+import pytest
+from nbformat.v4 import new_code_cell, new_notebook
+
+from course_lib.grading.submission import Source, stage
+
+BODIES = {
+    "4.1": ("load_images", "find_keypoints", "match_keypoints", "locate_mug"),
+    "4.2": ("find_keypoints", "crop_waterhole", "locate_waterhole", "best_match_count"),
+}
+
+
+def handed_in(folder, **notebooks):
+    """Stage notebooks that define the functions of some exercises."""
+    folder.mkdir()
+    for name, exercises in notebooks.items():
+        functions = [function for each in exercises for function in BODIES[each]]
+        cells = [new_code_cell(f"def {function}(*given):\n    return 1") for function in functions]
+        nbformat.write(new_notebook(cells=cells), folder / f"{name}.ipynb")
+    return stage(Source("student", (folder,)), folder.parent / "staged")
+
+
+def test_a_notebook_named_for_one_exercise_is_not_taken_for_the_other(tmp_path):
+    """Both have a function find_keypoints."""
+    found = handed_in(tmp_path / "in", exercise_4_2=["4.2"])
+    assert set(found.notebooks) == {"4.2"}
+    assert "no notebook of Exercise 4.1" in found.problems["4.1"]
+    assert found.notes == ()
+
+
+@pytest.mark.parametrize("name", ["my_homework", "unit_4_1_and_4_2", "exercise_4_1"])
+def test_both_exercises_may_stand_in_one_notebook(tmp_path, name):
+    found = handed_in(tmp_path / "in", **{name: ["4.1", "4.2"]})
+    assert set(found.notebooks) == {"4.1", "4.2"}
+    assert f"{name}.ipynb was taken as your notebook of Exercise 4.2." in found.notes
+
+
+def test_exchanged_names_are_seen_through(tmp_path):
+    found = handed_in(tmp_path / "in", exercise_4_1=["4.2"], exercise_4_2=["4.1"])
+    assert "locate_mug" in found.notebooks["4.1"].read_text()
+    assert "locate_waterhole" in found.notebooks["4.2"].read_text()
