@@ -70,6 +70,7 @@ def run(
     -------
     dict
         `topics`: name → list of (stamp ns, value); `counts`: name → number of messages;
+        `types`: name → type of message; `unstamped`: names whose messages leave the stamp at zero;
         `files`: pictures that it saved, name → bytes; `error`: None or why it ended; `log`.
     """
     started = time.time() - 1  # a file system's clock is coarse
@@ -100,9 +101,12 @@ def run(
         except (OfflineRosError, RosError, OSError, ValueError) as failure:
             recording, error = None, str(failure)
     topics = {name: list(_values(recording, name)) for name in recording or ()}
+    firsts = {name: next(recording.stream(name), None) for name in recording} if recording else {}
     return {
         "topics": topics,
         "counts": {name: len(recording[name]) for name in recording} if recording else {},
+        "types": {name: first[1]._type for name, first in firsts.items() if first},  # noqa: SLF001
+        "unstamped": [name for name, first in firsts.items() if first and _unstamped(first[1])],
         "files": _saved(started),
         "error": error and error[-_MOST_LOG:],
         "log": recording.output[-_MOST_LOG:] if recording else "",
@@ -165,6 +169,11 @@ def _values(recording: Recording | None, topic: str) -> Iterator[tuple[int, obje
         header = getattr(message, "header", None)
         stamp = header.stamp.secs * 10**9 + header.stamp.nsecs if header else 0
         yield stamp or published, _value(message)
+
+
+def _unstamped(message: Any) -> bool:  # noqa: ANN401
+    stamp = getattr(getattr(message, "header", None), "stamp", None)
+    return stamp is not None and not (stamp.secs or stamp.nsecs)
 
 
 def _value(message: Any) -> object:  # noqa: ANN401

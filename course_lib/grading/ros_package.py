@@ -6,6 +6,7 @@ import ast
 import re
 from typing import TYPE_CHECKING
 
+from course_lib.grading import node_source
 from course_lib.grading.launch_file import LaunchError, LaunchNode, read_launch, read_xml
 
 if TYPE_CHECKING:
@@ -138,16 +139,13 @@ class Package:
             raise FaultError(f"There is no file src/{stem}.py.")
         text = self._text(path)
         try:
-            tree = ast.parse(text)
-        except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-            line = getattr(error, "lineno", None)
-            raise FaultError(f"{path} is not Python (line {line}).") from None
+            tree = node_source.parse(text)
+        except ValueError as error:
+            raise FaultError(f"{path} {error}.") from None
         if any(isinstance(n, ast.Raise) and _is_stub(n) for n in ast.walk(tree)):
             raise FaultError(f"{path} is not done yet (it raises NotImplementedError).")
-        if not text.startswith("#!"):
-            raise FaultError(
-                f"{path} should begin with #!/usr/bin/env python3, or it cannot be run.", 0.5
-            )
+        if fault := node_source.cannot_start(text, tree):
+            raise FaultError(f"{path} {fault}.", 0.5)
         if not self._files[path].executable:
             raise FaultError(f"{path} may not be executed: chmod +x {NAME}/{path}", 0.5)
 
@@ -155,6 +153,15 @@ class Package:
         """Return where a node's file is in the package."""
         places = [f"{folder}{stem}.py" for folder in _FOLDERS]
         return next((place for place in places if place in self._files), None)
+
+    def why_silent(self, stem: str) -> list[str]:
+        """Guess, in whole sentences, why a node heard or found nothing."""
+        path, launch = self.path(stem), f"launch/{stem}.launch"
+        if path is None:
+            return []
+        given = self._text(launch) if launch in self._files else ""
+        found = node_source.why_silent(self._text(path), TOPIC, given)
+        return [f"{path} {sentence}" for sentence in found]
 
     def pictures(self) -> list[bytes]:
         """Return the files that may be templates, those named so first."""
@@ -266,7 +273,9 @@ def what_went_wrong(run: NodeRun) -> str | None:
     for text in (run.error or "", run.log):
         lines = _ERROR_LINE.findall(text)
         if lines:
-            return str(lines[-1])[:300]
+            last = str(lines[-1])[:300]
+            meaning = node_source.meaning(last)
+            return f"{last.rstrip('.')}.{meaning}" if meaning else last
     return (run.error or "").strip().splitlines()[0][:300] if run.error else None
 
 

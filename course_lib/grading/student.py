@@ -93,6 +93,10 @@ class NodeRun:
         text.
     counts : dict of str to int
         How many messages it published on each topic.
+    types : dict of str to str
+        Of which type the messages on each topic are.
+    unstamped : frozenset of str
+        The topics on which the header's stamp is zero.
     files : dict of str to bytes
         The pictures it saved.
     error : str or None
@@ -103,6 +107,8 @@ class NodeRun:
 
     topics: dict[str, list[tuple[int, Any]]]
     counts: dict[str, int]
+    types: dict[str, str]
+    unstamped: frozenset[str]
     files: dict[str, bytes] = field(repr=False)
     error: str | None
     log: str
@@ -181,6 +187,11 @@ class Student:
         )
 
     @property
+    def seconds(self) -> float:
+        """Seconds that one call may take."""
+        return self._call_s
+
+    @property
     def names(self) -> list[str]:
         """The names of the notebook's callables."""
         found = self._request("the notebook", "names", {}, self._call_s)
@@ -254,6 +265,8 @@ class Student:
             return NodeRun(
                 topics={clean(str(n), 100): _messages(m) for n, m in found["topics"].items()},
                 counts={clean(str(n), 100): int(c) for n, c in found["counts"].items()},
+                types={clean(str(n), 100): clean(str(t), 100) for n, t in found["types"].items()},
+                unstamped=frozenset(clean(str(n), 100) for n in found["unstamped"]),
                 files={clean(str(n), 200): bytes(data) for n, data in found["files"].items()},
                 error=clean(found["error"]) if isinstance(found["error"], str) else None,
                 log=clean(str(found["log"])),

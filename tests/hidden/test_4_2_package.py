@@ -15,6 +15,8 @@ from course_lib.grading.waterhole import FINDS, Waterhole, judge
 EXERCISE = "4.2"
 FIRST, SECOND = "exercise4_2_1", "exercise4_2_2"
 CORNERS, PICTURE = "/waterhole/corners", "/waterhole/image"
+POLYGONS = ("geometry_msgs/PolygonStamped", "geometry_msgs/Polygon")
+PICTURES = ("sensor_msgs/Image", "sensor_msgs/CompressedImage")
 FRAME_NS = 100_000_000
 # For a node that lets the drone fly for a while first.
 SLOWLY_NS = 500_000_000
@@ -54,9 +56,11 @@ def test_second_node(student, grade, seeds):
     run = _run(
         grade, package, SECOND, [(frame.stamp_ns, frame.image) for frame in frames], _has_corners
     )
+    if not run.counts.get(CORNERS) and not run.counts.get(PICTURE):
+        _fail_as_silent(grade, package, run)
     template, rect = _template(package, hole)
     published = _by_frame(run.topics.get(CORNERS, []), frames)
-    _say_what_is_published(grade, run, CORNERS)
+    _say_what_is_published(grade, run, CORNERS, POLYGONS)
     judge(
         grade,
         hole.judged,
@@ -77,7 +81,7 @@ def test_second_node(student, grade, seeds):
         "points there, or nothing.",
     )
     pictures = _by_frame(run.topics.get(PICTURE, []), frames)
-    _say_what_is_published(grade, run, PICTURE)
+    _say_what_is_published(grade, run, PICTURE, PICTURES)
     _judge_pictures(grade, pictures, {f.stamp_ns: f.image for f in frames}, published)
     error = what_went_wrong(run)
     if error and grade.fraction < 1:
@@ -94,6 +98,9 @@ def test_first_node(student, grade, seeds):
     ]
     run = _run(grade, package, FIRST, frames, lambda run: bool(run.files))
     error = what_went_wrong(run)
+    if not run.files:
+        for sentence in package.why_silent(FIRST):
+            grade.note(sentence)
     grade.check(
         run.files,
         f"{FIRST}.py saved no picture"
@@ -140,11 +147,29 @@ def _outline(value):
     return value
 
 
-def _say_what_is_published(grade, run, topic):
+def _fail_as_silent(grade, package, run):
+    error = what_went_wrong(run)
+    for sentence in package.why_silent(SECOND):
+        grade.note(sentence)
+    if error:
+        grade.note(f"{SECOND}.py: {error}")
+    others = ", ".join(sorted(name for name in run.counts if name != "/rosout"))
+    instead = f", but on {others}" if others else ""
+    grade.fail(f"{SECOND}.py published nothing on {CORNERS} and {PICTURE}{instead}.")
+
+
+def _say_what_is_published(grade, run, topic, kinds):
     if not run.counts.get(topic):
         others = ", ".join(sorted(n for n in run.counts if n not in {"/rosout", CORNERS, PICTURE}))
         grade.note(
             f"{SECOND}.py published nothing on {topic}" + (f", but on {others}." if others else ".")
+        )
+    elif (kind := run.types.get(topic)) not in kinds:
+        grade.note(f"On {topic}, publish {kinds[0]}, not {kind}.")
+    elif topic == CORNERS and topic in run.unstamped:
+        grade.note(
+            f"The messages on {topic} have no stamp. Give them the frame's own header: whoever "
+            "listens wants to know when the waterhole was there."
         )
 
 

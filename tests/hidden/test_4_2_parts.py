@@ -6,8 +6,8 @@ from numbers import Real
 
 from course_lib.grading.geometry import credit
 from course_lib.grading.rubric import points
-from course_lib.grading.student import Missing, NotDone, StudentError
-from course_lib.grading.thresholds import COUNT_LOSS
+from course_lib.grading.student import Missing, NotDone, StudentError, TimedOut
+from course_lib.grading.thresholds import COUNT_LOSS, FORM
 from course_lib.grading.waterhole import Waterhole
 
 EXERCISE = "4.2"
@@ -15,7 +15,8 @@ FUNCTIONS = ("crop_waterhole", "locate_waterhole", "best_match_count")
 BAD_CELL = 0.25  # what a cell that raises costs, of the point
 # Four matches or eight are too few; forty to a hundred serve best.
 CANDIDATES = [4, 8, 60, 400]
-SEARCH_S = 60.0  # more than for other calls: it is many of them in one
+TURNED = [60, 4]  # now the last is no good
+LONGER = 3  # than other calls may take: it is many of them in one
 
 
 @points(0.5, "4.2.1", "The notebook runs from top to bottom")
@@ -59,32 +60,76 @@ def test_best_match_count(student, grade, seeds):
     hole = Waterhole(student, seeds)
     # No waterhole in the first nor in the last: whoever looks at one frame only learns nothing.
     searched = [hole.absent[0], *hole.searched, hole.absent[-1]]
-    best = student.best_match_count(
-        hole.template,
-        [frame.image for frame in searched],
-        list(CANDIDATES),
-        timeout=SEARCH_S,
-    )
+    best = _ask(student, grade, hole, searched, CANDIDATES)
+    # The right one comes first, so that it is not the last.
+    again = _ask(student, grade, hole, hole.searched, TURNED) if best in CANDIDATES else best
     number = isinstance(best, Real) and not isinstance(best, bool) and best == int(best)
-    grade.check(number, "best_match_count should return a whole number.")
-    grade.check(
-        best in CANDIDATES,
-        "best_match_count returns a count that is not among the candidates it was given. Try each "
-        "of candidates, and no others.",
+    none = " It returns None: is a return missing?" if best is None else ""
+    grade.check(number, f"best_match_count should return a whole number.{none}")
+    place = (
+        " Is it the candidate's place in the list, or in how many frames it was found? Return the "
+        "candidate itself."
+        if best < len(CANDIDATES)
+        else ""
     )
-    reached = hole.quality(int(best))
-    possible = 1.0
-    if 1 - reached > COUNT_LOSS.full:
-        possible = max(map(hole.quality, CANDIDATES))
-    fraction = credit(possible - reached, COUNT_LOSS)
-    grade.add(fraction)
+    grade.check(
+        best in CANDIDATES and again in TURNED,
+        "best_match_count returns a count that is not among the candidates it was given. Try each "
+        f"of candidates, and no others.{place}",
+    )
+    fraction = min(_served(hole, int(best), CANDIDATES), _served(hole, int(again), TURNED))
+    grade.add(fraction * (1.0 if isinstance(best, int) else FORM))
+    if not isinstance(best, int):
+        grade.note("best_match_count returns a float. A count is an int: matches[:60.0] fails.")
     if fraction < 1:
-        grade.note(
-            "Any four matches agree with their own homography, so a share of inliers says "
-            "nothing: count the frames in which the outline is believable."
-            if best == min(CANDIDATES)
-            else "On other frames of a flight, other candidates do better than your choice. Let "
-            "each candidate count in how many of all the frames a believable outline is found."
-        )
+        grade.note(_why(int(best), int(again)))
     if not hole.finds():
         grade.lose("The choice counts once locate_waterhole finds the waterhole.")
+
+
+def _ask(student, grade, hole, frames, candidates):
+    try:
+        return student.best_match_count(
+            hole.template,
+            [frame.image for frame in frames],
+            list(candidates),
+            timeout=LONGER * student.seconds,
+        )
+    except TimedOut:
+        grade.note(
+            "Does the loop come to an end, whatever is found? Then, to find a picture's keypoints "
+            "once is enough: for the template, and for each frame."
+        )
+        raise
+
+
+def _served(hole, count, candidates):
+    """Return how well a choice does on other frames, against the best of the candidates."""
+    reached = hole.quality(count)
+    possible = 1.0
+    if 1 - reached > COUNT_LOSS.full:
+        possible = max(map(hole.quality, candidates))
+    return credit(possible - reached, COUNT_LOSS)
+
+
+def _why(best, again):
+    if (best, again) == (CANDIDATES[-1], TURNED[-1]):
+        return (
+            "best_match_count returns the last candidate, whatever it is. Keep the best while the "
+            "loop goes on, and return that: is `return` behind the loop, and of the right name?"
+        )
+    if (best, again) == (CANDIDATES[0], TURNED[0]):
+        return (
+            "best_match_count returns the first candidate, whatever it is. Is `return` inside the "
+            "loop, or does the comparison never hold? A share of inliers says nothing: count the "
+            "frames in which the outline is believable."
+        )
+    if min(best, again) == min(CANDIDATES):
+        return (
+            "Any four matches agree with their own homography, so a share of inliers says nothing: "
+            "count the frames in which the outline is believable."
+        )
+    return (
+        "On other frames of a flight, other candidates do better than your choice. Let each "
+        "candidate count in how many of all the frames a believable outline is found."
+    )

@@ -1,0 +1,59 @@
+"""What is said about a node's source is true of it, and nothing is said about one that works."""
+
+from __future__ import annotations
+
+import pytest
+from independent_4_2 import FINDS, TAKES
+
+from course_lib.grading.node_source import cannot_start, meaning, parse, why_silent
+
+TOPIC = "/camera/rgb/image_raw"
+NODE = FINDS["functions"]
+
+
+@pytest.mark.parametrize("text", [*FINDS.values(), *TAKES.values()])
+def test_nothing_is_said_about_a_node_that_works(text):
+    given = f'<remap from="image" to="{TOPIC}"/>'
+    assert cannot_start(text, parse(text)) is None
+    assert why_silent(text, TOPIC, given) == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("#!/usr", "# /usr", "should begin with #!"),
+        ("python3\n", "python3\r\n", "Windows line ends"),
+        ("import rospy", "import rospy, course_lib.matching", "imports course_lib"),
+        ("import rospy", "from course_lib import matching\nimport rospy", "imports course_lib"),
+    ],
+)
+def test_what_cannot_start_is_named(old, new, said):
+    text = NODE.replace(old, new, 1)
+    assert said in (cannot_start(text, parse(text)) or "")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("rospy.spin()", "", "rospy.spin() is missing"),
+        (
+            TOPIC,
+            "/camera/image_raw",
+            f"listens to /camera/image_raw; the camera's topic is {TOPIC}",
+        ),
+        ('os.path.join(here, "../waterhole.png")', '"C:/Users/lena/well.png"', "own computer only"),
+        ("rospy.Subscriber(", "print(", "rospy.Subscriber is missing"),
+        ("rospy.spin()", "print 'on'", "Python 2"),
+        ("rospy.spin()", "rospy.spin(", "is not Python"),
+    ],
+)
+def test_why_a_node_is_silent_is_named(old, new, said):
+    assert said in "\n".join(why_silent(NODE.replace(old, new, 1), TOPIC, ""))
+
+
+def test_errors_are_explained_as_a_node_needs_it():
+    assert "carried" in meaning("NameError: name 'fit_outline' is not defined")
+    assert "def callback(message)" in meaning(
+        "TypeError: callback() missing 1 required positional argument: 'msg'"
+    )
+    assert meaning("RuntimeError: no idea") == ""
