@@ -17,6 +17,8 @@ error: src1.cols == src2.cols
     One of the two sets of descriptors is None, as that picture has no keypoints. Check first.
 error: at least 4 corresponding point sets
     A homography needs four matches: count them first.
+error: should be 2D or 3D point sets
+    There are no matched points here. A homography needs four matches: count them first.
 IndexError: tuple index out of range
     There are fewer keypoints than that: queryIdx counts those of the picture given to match()
     first, trainIdx the others.

@@ -34,10 +34,11 @@ _HINTS = (
         ),
     ),
     (
-        r"empty\(\)|'NoneType'",
+        r"empty\(\)|'NoneType'|2D or 3D point sets",
         (
-            "Something is None here: a template that cv2.imread did not find, descriptors of a "
-            "frame without keypoints, or a homography that does not exist. Check before you use it."
+            "Something is None or empty here: a template that cv2.imread did not find, the "
+            "descriptors of a frame without keypoints, a homography that does not exist. Look "
+            "before you use it."
         ),
     ),
     (

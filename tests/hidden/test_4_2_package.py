@@ -153,17 +153,12 @@ def _fail_as_silent(grade, package, run):
         grade.note(sentence)
     if error:
         grade.note(f"{SECOND}.py: {error}")
-    others = ", ".join(sorted(name for name in run.counts if name != "/rosout"))
-    instead = f", but on {others}" if others else ""
-    grade.fail(f"{SECOND}.py published nothing on {CORNERS} and {PICTURE}{instead}.")
+    grade.fail(f"{SECOND}.py published nothing on {CORNERS} and {PICTURE}{_instead(run)}.")
 
 
 def _say_what_is_published(grade, run, topic, kinds):
     if not run.counts.get(topic):
-        others = ", ".join(sorted(n for n in run.counts if n not in {"/rosout", CORNERS, PICTURE}))
-        grade.note(
-            f"{SECOND}.py published nothing on {topic}" + (f", but on {others}." if others else ".")
-        )
+        grade.note(f"{SECOND}.py published nothing on {topic}{_instead(run)}.")
     elif (kind := run.types.get(topic)) not in kinds:
         grade.note(f"On {topic}, publish {kinds[0]}, not {kind}.")
     elif topic == CORNERS and topic in run.unstamped:
@@ -171,6 +166,12 @@ def _say_what_is_published(grade, run, topic, kinds):
             f"The messages on {topic} have no stamp. Give them the frame's own header: whoever "
             "listens wants to know when the waterhole was there."
         )
+
+
+def _instead(run):
+    known = {"/rosout", CORNERS, PICTURE}
+    others = sorted(name for name, count in run.counts.items() if count and name not in known)
+    return f", but on {', '.join(others)}" if others else ""
 
 
 def _template(package, hole):
