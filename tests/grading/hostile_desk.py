@@ -1,4 +1,4 @@
-"""Two workers side by side: one grades what is hostile, the other what is right, again and again.
+"""Workers side by side: some grade what is hostile, one what is right, again and again.
 
 Everything on the way is real: intake, fingerprints, the worker, its children, the sandbox, reports.
 """
@@ -21,6 +21,7 @@ from course_lib.grading.messages import Settings, Task
 from course_lib.grading.process import WorkerProcess
 from course_lib.grading.runner import _write
 from course_lib.grading.sandbox import processes
+from course_lib.grading.sandbox.limits import Limits
 from course_lib.grading.scratch import remove, scratch_folder
 from course_lib.grading.submission import find_submissions
 
@@ -28,13 +29,14 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from course_lib.grading.messages import Finished
-    from course_lib.grading.sandbox import Limits
 
 HERE = Path(__file__).parent
+QUICK = HERE / "quick_hidden"
 # What must never come out: it is in the seed, the workers' environment and a neighbour's file.
 CANARY = "canary-" + "kuckuck"
 SHARED = ("/dev/shm", "/dev/mqueue")  # noqa: S108
 SEED = f"{CANARY}: the secret of these tests".encode()
+_LONGEST_S = 250.0
 
 
 def builder():
@@ -46,6 +48,24 @@ def builder():
 
 
 @dataclass
+class Beside:
+    """A grading of the neighbour, which may last longer than the sample that it began beside.
+
+    Attributes
+    ----------
+    samples : list of str
+        Those that were graded meanwhile.
+    reached, possible, seconds : float or None
+        What came of it; None while it lasts.
+    """
+
+    samples: list[str]
+    reached: float | None = None
+    possible: float | None = None
+    seconds: float | None = None
+
+
+@dataclass
 class Graded:
     """What came of one submission, and of the neighbour meanwhile."""
 
@@ -53,74 +73,90 @@ class Graded:
     seconds: float
     told: dict
     pages: str  # what was written about it, for the student and the instructor
-    neighbours: list[tuple[float, float, float]] = field(
-        default_factory=list
-    )  # points, of, seconds
     left: set[str] = field(default_factory=set)
 
 
 class Desk:
-    """The two workers of one sandbox and one folder of hidden tests."""
+    """The workers of one sandbox: one for each kind of hostile task, and the neighbour's.
 
-    def __init__(self, sandbox: str, limits: Limits, tests: Path, neighbour: Path) -> None:
-        self.settings = Settings(
-            SEED, tests, ("4.1", "4.2"), sandbox=sandbox, limits=limits, grace_s=30
-        )
-        self._neighbour = neighbour
+    The neighbour is graded for as long as anything hostile is, and not begun anew for each sample:
+    what is true of it is found in `beside`, at the latest after `settle`.
+    """
+
+    def __init__(self, sandbox: str, neighbour: Path) -> None:
+        self.beside: list[Beside] = []
+        self._sandbox = sandbox
+        self._neighbour_root = neighbour
         self._scratch = scratch_folder()
         self._out = self._scratch.with_name(f"{self._scratch.name}.out")
+        self._running: Beside | None = None
+        self._workers: dict[tuple[Path, Limits], tuple[WorkerProcess, Fingerprints]] = {}
 
     def __enter__(self) -> Self:
         os.environ["COURSE_CANARY"] = CANARY
-        names = ("hostile", "neighbour")
-        self._workers = [WorkerProcess(self.settings, self._scratch / name) for name in names]
-        for worker in self._workers:
-            assert worker.answer() is None
-        self._fingerprints = Fingerprints(self.settings)
-        self.alone = [self._one(self._workers[1], self._neighbour) for _ in range(2)][-1][1]
+        self._at_first = self._shared()
+        _, self._neighbour, self._of_neighbour = self._worker(QUICK, Limits())
+        self.alone = [self._alone() for _ in range(2)][-1]
         return self
 
     def __exit__(self, *_: object) -> None:
-        for worker in self._workers:
+        for worker, _ in self._workers.values():
             worker.close()
         remove(self._scratch)
         remove(self._out)
         os.environ.pop("COURSE_CANARY", None)
 
-    def _begin(self, worker: WorkerProcess, root: Path) -> Task:
-        (source,) = find_submissions(root)
-        task = Task(source.student, source.paths, self._fingerprints(source.paths))
-        worker.begin(task)
-        return task
+    def _worker(self, tests: Path, limits: Limits) -> tuple[int, WorkerProcess, Fingerprints]:
+        key = tests, limits
+        if key not in self._workers:
+            settings = Settings(
+                SEED, tests, ("4.1", "4.2"), sandbox=self._sandbox, limits=limits, grace_s=60
+            )
+            worker = WorkerProcess(settings, self._scratch / f"w{len(self._workers)}")
+            self._workers[key] = worker, Fingerprints(settings)
+            assert worker.answer() is None
+        number = list(self._workers).index(key)
+        return number, *self._workers[key]
 
-    def _one(self, worker: WorkerProcess, root: Path) -> tuple[Finished, float]:
-        start = time.monotonic()
-        self._begin(worker, root)
-        return worker.answer(), time.monotonic() - start
+    def _alone(self) -> float:
+        self._begin_neighbour([])
+        self._end_neighbour()
+        return self.beside.pop().seconds
 
-    def grade(self, root: Path) -> Graded:
+    def _begin_neighbour(self, samples: list[str]) -> None:
+        self._running = Beside(samples)
+        _begin(self._neighbour, self._of_neighbour, self._neighbour_root)
+
+    def _end_neighbour(self) -> None:
+        result, running = self._neighbour.answer().result, self._running
+        running.reached, running.possible = result.score, result.max_score
+        running.seconds = result.seconds
+        self.beside.append(running)
+        self._running = None
+
+    def grade(self, root: Path, tests: Path, limits: Limits) -> Graded:
         """Grade the one submission in a folder, the neighbour beside it while that takes."""
-        hostile, neighbour = self._workers
-        before = leftovers(self._scratch)
+        number, worker, fingerprints = self._worker(tests, limits)
+        before = self.leftovers(number, worker)
         started = time.monotonic()
-        self._begin(hostile, root)
-        beside, neighbours, finished = None, [], None
+        _begin(worker, fingerprints, root)
+        (name,), finished = (path.name for path in root.iterdir()), None
+        if self._running:
+            self._running.samples.append(name)
         with selectors.DefaultSelector() as selector:
-            for worker in self._workers:
-                selector.register(worker, selectors.EVENT_READ)
-            while finished is None or beside is not None:
-                if beside is None:
-                    beside = time.monotonic()
-                    self._begin(neighbour, self._neighbour)
-                for key, _ in selector.select():
-                    answer = key.fileobj.answer()
-                    if key.fileobj is hostile:
-                        finished, seconds = answer, time.monotonic() - started
+            for each in (worker, self._neighbour):
+                selector.register(each, selectors.EVENT_READ)
+            while finished is None:
+                if self._running is None:
+                    self._begin_neighbour([name])
+                ready = selector.select(max(0.0, started + _LONGEST_S - time.monotonic()))
+                assert ready, "the worker gives no answer"
+                for key, _ in ready:
+                    if key.fileobj is worker:
+                        finished, seconds = worker.answer(), time.monotonic() - started
                     else:
-                        result = answer.result
-                        took = time.monotonic() - beside
-                        neighbours.append((result.score, result.max_score, took))
-                        beside = None
+                        self._end_neighbour()
+        left = self.leftovers(number, worker) - before
         written = _write(self._out, finished)
         folder = report.student_folder(self._out, finished.result.student)
         return Graded(
@@ -128,31 +164,51 @@ class Desk:
             seconds,
             json.loads((folder / "results.json").read_text()),
             _joined(folder.glob("*.html"), self._out.glob(f"_instructor/{folder.name}/*.html")),
-            neighbours,
-            leftovers(self._scratch) - before,
+            left,
         )
+
+    def settle(self) -> set[str]:
+        """Wait for the neighbour; give what is left that no worker needs to begin the next."""
+        if self._running:
+            self._end_neighbour()
+        left = {each for each in self._shared() if each not in self._at_first}
+        for number, (worker, _) in enumerate(self._workers.values()):
+            warm, *others = self._of_worker(number, worker)
+            left |= {*others} if warm.startswith("process") else {warm, *others}
+        return left
+
+    def leftovers(self, number: int, worker: WorkerProcess) -> set[str]:
+        """List what a submission could leave: processes, sockets, shared memory, mounts, files.
+
+        What other programs do on this machine is not looked at, nor what the neighbour's worker
+        does meanwhile: processes count that descend from this worker, which adopts what loses its
+        parent, and files, sockets and mounts below its folder.
+        """
+        open_ones = len(list(Path(f"/proc/{worker._process.pid}/fd").iterdir()))
+        found = {f"{open_ones} descriptors of the worker", *self._shared()}
+        return found | {*self._of_worker(number, worker)}
+
+    def _of_worker(self, number: int, worker: WorkerProcess) -> list[str]:
+        folder = self._scratch / f"w{number}"
+        found = [f"process {pid}" for pid in processes.descendants(worker._process.pid)]
+        for table in ("/proc/net/unix", "/proc/mounts"):
+            lines = Path(table).read_text(errors="replace").splitlines()
+            found += [f"{table} {line}" for line in lines if f"{folder}/" in line]
+        return found + [str(path) for path in folder.iterdir()]
+
+    @staticmethod
+    def _shared() -> set[str]:
+        found = {str(path) for folder in SHARED for path in Path(folder).glob("*left*")}
+        for table in ("shm", "msg", "sem"):
+            for line in Path(f"/proc/sysvipc/{table}").read_text().splitlines()[1:]:
+                found.add(f"System V {table} {line.split()[0]}")
+        return found
+
+
+def _begin(worker: WorkerProcess, fingerprints: Fingerprints, root: Path) -> None:
+    (source,) = find_submissions(root)
+    worker.begin(Task(source.student, source.paths, fingerprints(source.paths)))
 
 
 def _joined(*paths: Iterable[Path]) -> str:
     return "".join(p.read_text(errors="replace") for some in paths for p in some)
-
-
-def leftovers(scratch: Path) -> set[str]:
-    """List what a submission could leave: processes, sockets, shared memory, mounts, files.
-
-    What other programs do on this machine is not looked at: processes count that descend from this
-    one (a worker adopts what loses its parent), sockets and mounts below the workers' folders.
-    """
-    found = {f"process {pid}" for pid in processes.descendants(os.getpid())}
-    for table in ("shm", "msg", "sem"):
-        for line in Path(f"/proc/sysvipc/{table}").read_text().splitlines()[1:]:
-            found.add(f"System V {table} {line.split()[0]}")
-    found |= {f"file {path}" for folder in SHARED for path in _list(folder)}
-    for table in ("/proc/net/unix", "/proc/mounts"):
-        lines = Path(table).read_text(errors="replace").splitlines()
-        found |= {f"{table} {line}" for line in lines if str(scratch) in line}
-    return found | {str(path) for path in scratch.glob("*/*")}
-
-
-def _list(folder: str) -> list[str]:
-    return [str(path) for path in Path(folder).glob("*left*")]

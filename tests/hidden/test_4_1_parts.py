@@ -147,9 +147,21 @@ def test_find_keypoints(student, grade, seeds):
         grade.add(1.0, out_of=0.2)
 
 
+def _may_be_orb(keypoints, descriptors):
+    """Tell whether OpenCV can be asked to describe these keypoints once more.
+
+    It looks up what it is told to: numbers that ORB never gives would lead it astray.
+    """
+    usual = all(
+        0 <= each.octave < 32 and 0 <= each.angle <= 360 and np.isfinite(each.pt).all()
+        for each in keypoints
+    )
+    return usual and descriptors.dtype == np.uint8 and descriptors.shape[1] == 32
+
+
 def _in_one_order(mug, keypoints, descriptors):
     """Tell whether ORB's descriptors, if it is ORB, stand in the order of their keypoints."""
-    if descriptors.dtype != np.uint8 or descriptors.shape[1] != 32:
+    if not _may_be_orb(keypoints, descriptors):
         return True
     orb = cv2.ORB_create(max(len(keypoints), 1))
     again, described = orb.compute(cv2.cvtColor(mug, cv2.COLOR_BGR2GRAY), keypoints)
@@ -168,10 +180,7 @@ def _place(keypoint):
 
 def _used_wrong_grey(mug, keypoints, descriptors):
     """Tell whether ORB's keypoints are those of the picture with red and blue exchanged."""
-    if descriptors.dtype != np.uint8 or descriptors.shape[1] != 32:
-        return False
-    # OpenCV looks up what it is told to: numbers that ORB never gives would lead it astray.
-    if not all(0 <= each.octave < 32 and 0 <= each.angle <= 360 for each in keypoints):
+    if not _may_be_orb(keypoints, descriptors):
         return False
     orb = cv2.ORB_create(max(len(keypoints), 1))
     red_for_blue = cv2.cvtColor(mug, cv2.COLOR_RGB2GRAY)

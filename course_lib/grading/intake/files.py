@@ -143,20 +143,29 @@ class Copier:
                 self._write(target, file, executable=bool(status.st_mode & stat.S_IXUSR))
 
     def _zip(self, archive: zipfile.ZipFile) -> None:
+        problem: Exception | None = None
         for entry in _first(archive.infolist(), self):
-            mode = entry.external_attr >> 16
-            if entry.is_dir():
-                continue
-            if stat.S_IFMT(mode) not in {0, stat.S_IFREG}:
-                self._left_out(entry.filename, _kind(mode))
-                continue
-            if entry.flag_bits & 1:
-                self._left_out(entry.filename, "is encrypted")
-                continue
-            target = self._target(entry.filename)
-            if target is not None:
-                with archive.open(entry) as file:
-                    self._write(target, file, executable=bool(mode & stat.S_IXUSR), unix=mode != 0)
+            try:
+                self._zipped(archive, entry)
+            except Exception as error:  # noqa: BLE001  (one odd entry is not to cost the others)
+                problem = problem or error
+        if problem:
+            raise problem
+
+    def _zipped(self, archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> None:
+        mode = entry.external_attr >> 16
+        if entry.is_dir():
+            return
+        if stat.S_IFMT(mode) not in {0, stat.S_IFREG}:
+            self._left_out(entry.filename, _kind(mode))
+            return
+        if entry.flag_bits & 1:
+            self._left_out(entry.filename, "is encrypted")
+            return
+        target = self._target(entry.filename)
+        if target is not None:
+            with archive.open(entry) as file:
+                self._write(target, file, executable=bool(mode & stat.S_IXUSR), unix=mode != 0)
 
     def _tar(self, archive: tarfile.TarFile) -> None:
         for entry in _first(archive, self):

@@ -7,5 +7,5 @@ for folder in (os.path.expanduser("~"), tempfile.gettempdir()):
             open(f"{folder}/fill{number}", "wb").write(b"1" * 4_000_000)
         except OSError:
             break
-time.sleep(5)
+time.sleep(60)
 raise SystemError("GOT THROUGH")

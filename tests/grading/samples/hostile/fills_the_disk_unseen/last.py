@@ -8,5 +8,5 @@ for number in range(64):
     file.write(b"1" * 4_000_000)
     file.flush()
     kept.append(file)
-time.sleep(5)
+time.sleep(60)
 raise SystemError("GOT THROUGH")

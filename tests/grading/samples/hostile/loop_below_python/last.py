@@ -1,3 +1,5 @@
 # %%
+import collections, itertools
+
 def locate_mug(mug, scene, match_count=100):
-    return 3 ** (3**25)
+    collections.deque(itertools.repeat(0), maxlen=0)

@@ -1,7 +1,7 @@
 # %%
 import os
 
-for number in range(60_000):
+for number in range(8_000):
     os.mkdir(f"{number}")
 import time
-time.sleep(5)
+time.sleep(60)

@@ -1,5 +1,5 @@
 # %%
-import socket, subprocess, urllib.request
+import socket, subprocess, time, urllib.request
 
 got = []
 targets = [("127.0.0.1", 22), ("192.0.2.1", 80), ("8.8.8.8", 53), ("169.254.169.254", 80)]
@@ -10,6 +10,8 @@ for target in targets:
                 one.settimeout(0.5)
                 one.connect(target)
                 one.send(b"x")
+                time.sleep(0.1)
+                one.send(b"x")  # refused here if nobody was there, as on a network of its own
                 got.append((target, kind))
         except OSError:
             pass
