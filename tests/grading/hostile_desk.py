@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Self
 from course_lib.grading import report
 from course_lib.grading.fingerprint import Fingerprints
 from course_lib.grading.messages import Settings, Task
+from course_lib.grading.nursery import Nursery
 from course_lib.grading.process import WorkerProcess
 from course_lib.grading.runner import _write
 from course_lib.grading.sandbox import processes
@@ -95,6 +96,7 @@ class Desk:
     def __enter__(self) -> Self:
         os.environ["COURSE_CANARY"] = CANARY
         self._at_first = self._shared()
+        self._nursery = Nursery()
         _, self._neighbour, self._of_neighbour = self._worker(QUICK, Limits())
         self.alone = [self._alone() for _ in range(2)][-1]
         return self
@@ -102,6 +104,7 @@ class Desk:
     def __exit__(self, *_: object) -> None:
         for worker, _ in self._workers.values():
             worker.close()
+        self._nursery.close()
         remove(self._scratch)
         remove(self._out)
         os.environ.pop("COURSE_CANARY", None)
@@ -112,7 +115,8 @@ class Desk:
             settings = Settings(
                 SEED, tests, ("4.1", "4.2"), sandbox=self._sandbox, limits=limits, grace_s=60
             )
-            worker = WorkerProcess(settings, self._scratch / f"w{len(self._workers)}")
+            folder = self._scratch / f"w{len(self._workers)}"
+            worker = WorkerProcess(settings, folder, self._nursery)
             self._workers[key] = worker, Fingerprints(settings)
             assert worker.answer() is None
         number = list(self._workers).index(key)
@@ -171,11 +175,17 @@ class Desk:
         """Wait for the neighbour; give what is left that no worker needs to begin the next."""
         if self._running:
             self._end_neighbour()
-        left = {each for each in self._shared() if each not in self._at_first}
+        left = self._shared() - self._at_first
         for number, (worker, _) in enumerate(self._workers.values()):
-            warm, *others = self._of_worker(number, worker)
-            left |= {*others} if warm.startswith("process") else {warm, *others}
+            left |= {each for each in self._of_worker(number, worker) if "process " not in each}
+        # Each worker has what forks its kernels; nobody else is there.
+        pids = processes.descendants(self._nursery._process.pid)
+        if len(pids) != 2 * len(self._workers):
+            left.add(f"processes {pids}")
         return left
+
+    def _pid(self, worker: WorkerProcess) -> int:
+        return self._nursery.pid(worker._number)
 
     def leftovers(self, number: int, worker: WorkerProcess) -> set[str]:
         """List what a submission could leave: processes, sockets, shared memory, mounts, files.
@@ -184,13 +194,13 @@ class Desk:
         does meanwhile: processes count that descend from this worker, which adopts what loses its
         parent, and files, sockets and mounts below its folder.
         """
-        open_ones = len(list(Path(f"/proc/{worker._process.pid}/fd").iterdir()))
+        open_ones = len(list(Path(f"/proc/{self._pid(worker)}/fd").iterdir()))
         found = {f"{open_ones} descriptors of the worker", *self._shared()}
         return found | {*self._of_worker(number, worker)}
 
     def _of_worker(self, number: int, worker: WorkerProcess) -> list[str]:
         folder = self._scratch / f"w{number}"
-        found = [f"process {pid}" for pid in processes.descendants(worker._process.pid)]
+        found = [f"process {pid}" for pid in processes.descendants(self._pid(worker))]
         for table in ("/proc/net/unix", "/proc/mounts"):
             lines = Path(table).read_text(errors="replace").splitlines()
             found += [f"{table} {line}" for line in lines if f"{folder}/" in line]

@@ -1,12 +1,14 @@
 """
 Every hostile and broken sample, beside a neighbour who must not notice.
 
-A sample names limits of its own where it would otherwise wait long for one.
+A sample names limits of its own where it would otherwise wait long for one. Every run grades each
+sample in one of the sandboxes, by turns; `make test-samples` grades each in both.
 """
 
 from __future__ import annotations
 
 import json
+import os
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -34,7 +36,13 @@ LIMITS = Limits(
 )
 build = builder()
 SANDBOXES = ("bubblewrap", "sandlock")
-CASES = [(sandbox, name) for sandbox in SANDBOXES for name in build.names("hostile")]
+ALL = os.environ.get("COURSE_ALL_SAMPLES") == "1"
+CASES = [
+    (sandbox, name)
+    for turn, sandbox in enumerate(SANDBOXES)
+    for number, name in enumerate(build.names("hostile"))
+    if ALL or number % len(SANDBOXES) == turn
+]
 PROOF = Path("/tmp/GOT_THROUGH")  # noqa: S108  (where samples would write it)
 _MARKUP = re.compile(r"<(script|img|svg|b)\b[^>]*(onerror|onload|alert|owned)", re.IGNORECASE)
 _DATA = re.compile("data:image/[a-z]+;base64,[A-Za-z0-9+/=]*")  # any word may be in there
