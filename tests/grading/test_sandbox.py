@@ -371,3 +371,19 @@ with Launcher(sys.argv[1]) as launcher, launcher.kernel(Path({str(folder)!r})) a
         while processes_with(marker) and time.monotonic() < deadline:
             time.sleep(0.05)
         assert not processes_with(marker)
+
+
+@pytest.mark.parametrize("sandbox", ["bubblewrap", "sandlock"])
+def test_a_kernel_leaves_no_dead_process_to_be_buried(sandbox: str, folder: Path) -> None:
+    # A container ends when all its dead are buried: until then everybody would wait for it.
+    code = f"""
+from pathlib import Path
+from course_lib.grading.sandbox import Launcher, confine
+confine.become_subreaper()  # as a worker is
+with Launcher({sandbox!r}) as launcher:
+    with launcher.kernel(Path({str(folder)!r})) as kernel:
+        kernel.client.execute_interactive("1;", timeout=60)
+    print(Path("/proc", str(kernel._box._pid)).exists())
+"""
+    said = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True, text=True)
+    assert said.stdout == "False\n"
