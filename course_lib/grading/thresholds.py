@@ -3,7 +3,8 @@ What counts as right, and why: every threshold of the geometry, beside what it w
 
 Measured by ``python tests/bench/measure_thresholds.py``, which prints these tables again; OpenCV
 5.0.0. The pipelines are what a good student may hand in: cross-check or ratio test, OpenCV's RANSAC
-at 5 pixels, at least 10 inliers, a convex outline; nothing of this course's own.
+at 5 pixels, at least 10 inliers, a convex outline; nothing of this course's own. What becomes of
+the correct samples on many seeds is measured by ``python tests/bench/measure_samples.py``.
 
 Mugs
 ----
@@ -23,9 +24,12 @@ cover     2.4 / 11 / 13    2.5 / 15 / 18    0.4 / 2.3 / 2.9  2.2 / 11 / 26    2.
 absent    said: 100 %      said: 98 %       said: 100 %      said: 100 %      said: 100 %
 ========  ===============  ===============  ===============  ===============  ===============
 
-``MUG.full`` lies above all but one of these 2100 results outside "cover", ``MUG_COVERED.full``
-above all but one inside. A wrong homography is off by more than 100 pixels; no points are left well
-before that, a quarter of the mug's height in most scenes.
+Of 150 further seeds for each kind (``--first 1000``), ORB's worst results, with the best 100 and
+with all matches: rotation 5.1 and 5.5, scale 5.2 and 5.3, tilt 9.2 and 6.1, dim 10.8 and 10.5,
+noise 9.0 and 6.1, cover 24 and 37. ORB in ten finer levels, as one of the samples has it, came to
+14.5 in a plain scene, and lost a hundredth of a point for it when ``MUG.full`` was 12. Honest work
+must lose nothing to luck: ``MUG.full`` and ``MUG_COVERED.full`` lie above all of these. A wrong
+homography is off by more than 100 pixels; no points are left well before that.
 
 The well
 --------
@@ -96,8 +100,8 @@ class Tolerance:
 
 
 # Pixels of the scene.
-MUG = Tolerance(12.0, 48.0)
-MUG_COVERED = Tolerance(24.0, 72.0)
+MUG = Tolerance(20.0, 60.0)
+MUG_COVERED = Tolerance(40.0, 90.0)
 # 1 - overlap.
 WELL = Tolerance(0.5, 0.8)
 # Of the mean credit over the frames of a flight: half of the frames may fail before points go.

@@ -75,7 +75,7 @@ def test_absence_is_right_only_as_none():
 
 
 def test_a_covered_mug_is_allowed_more():
-    found = SQUARE + (20, 0)
+    found = SQUARE + (30, 0)
     assert mug_credit(found, SQUARE, "cover") == 1 > mug_credit(found, SQUARE, "plain") > 0
     assert MUG_COVERED.full > MUG.full
 
