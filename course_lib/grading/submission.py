@@ -163,7 +163,10 @@ def stage(source: Source, into: Path) -> Submission:
         best = max(found, key=lambda f: f.belongs_to(exercise), default=None)
         if best is None or not any(best.belongs_to(exercise)[:3]):
             missing = f"There is no notebook of Exercise {exercise} in your submission."
-            problems[exercise] = " ".join([missing, *broken])
+            about = [
+                said for path, said in broken if not notebooks.named_for_another(path, exercise)
+            ]
+            problems[exercise] = " ".join([missing, *about])
             continue
         chosen[exercise] = best
         usual = f"exercise_{exercise.replace('.', '_')}.ipynb"
@@ -196,14 +199,14 @@ def _unpack_nested(copier: Copier) -> None:
             path.unlink()
 
 
-def _read_all(folder: Path) -> tuple[list[notebooks.Found], list[str]]:
+def _read_all(folder: Path) -> tuple[list[notebooks.Found], list[tuple[Path, str]]]:
     found, broken = [], []
     for path in tree(folder):
         if path.suffix.lower() == ".ipynb":
             try:
                 found.append(notebooks.read(path))
             except notebooks.UnreadableError as error:
-                broken.append(notebooks.describe(path, error))
+                broken.append((path, notebooks.describe(path, error)))
     if not found:
         scripts = [p for p in tree(folder) if p.suffix.lower() == ".py" and "unit4" not in p.parts]
         for path in scripts:

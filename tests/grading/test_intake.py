@@ -32,6 +32,16 @@ def test_a_notebook_named_for_one_exercise_is_not_taken_for_the_other(tmp_path):
     assert found.notes == ()
 
 
+def test_a_broken_file_is_told_of_where_it_belongs(tmp_path):
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in" / "exercise_4_1.ipynb").write_text('{"cells": [')
+    (tmp_path / "in" / "homework.ipynb").write_text("")
+    found = stage(Source("student", (tmp_path / "in",)), tmp_path / "staged")
+    assert "exercise_4_1.ipynb ends in the middle" in found.problems["4.1"]
+    assert "exercise_4_1.ipynb" not in found.problems["4.2"]
+    assert all("homework.ipynb is empty" in problem for problem in found.problems.values())
+
+
 @pytest.mark.parametrize("name", ["my_homework", "unit_4_1_and_4_2", "exercise_4_1"])
 def test_both_exercises_may_stand_in_one_notebook(tmp_path, name):
     found = handed_in(tmp_path / "in", **{name: ["4.1", "4.2"]})

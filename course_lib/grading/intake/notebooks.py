@@ -62,15 +62,20 @@ class Found:
         alone must hold most of this one's functions to be taken for it.
         """
         number = sum(name in self.defined for name in FUNCTIONS[exercise])
-        named_for = set(_FILE_NAME.findall(self.path.stem))
-        if named_for and exercise[-1] not in named_for and 2 * number <= len(FUNCTIONS[exercise]):
+        if named_for_another(self.path, exercise) and 2 * number <= len(FUNCTIONS[exercise]):
             number = 0
         return (
             number,
             self.done if number else 0,
-            exercise[-1] in named_for,
+            exercise[-1] in _FILE_NAME.findall(self.path.stem),
             self.path.name,
         )
+
+
+def named_for_another(path: Path, exercise: str) -> bool:
+    """Tell whether a file's name speaks of another exercise, and not of this one."""
+    numbers = _FILE_NAME.findall(path.stem)
+    return bool(numbers) and exercise[-1] not in numbers
 
 
 def read(path: Path) -> Found:
