@@ -91,36 +91,38 @@ class Desk:
         self._scratch = scratch_folder()
         self._out = self._scratch.with_name(f"{self._scratch.name}.out")
         self._running: Beside | None = None
-        self._workers: dict[tuple[Path, Limits], tuple[WorkerProcess, Fingerprints]] = {}
+        self._workers: dict[tuple[Path, Limits], Worker] = {}
+        self._made = 0
+        os.environ["COURSE_CANARY"] = CANARY
+        self._at_first = _shared()
+        self._nursery = Nursery()
+        self._neighbour = self._worker(QUICK, Limits())
+        self.alone = [self._alone() for _ in range(2)][-1]
 
     def __enter__(self) -> Self:
-        os.environ["COURSE_CANARY"] = CANARY
-        self._at_first = self._shared()
-        self._nursery = Nursery()
-        _, self._neighbour, self._of_neighbour = self._worker(QUICK, Limits())
-        self.alone = [self._alone() for _ in range(2)][-1]
         return self
 
     def __exit__(self, *_: object) -> None:
-        for worker, _ in self._workers.values():
-            worker.close()
+        for worker in self._workers.values():
+            worker.process.close()
         self._nursery.close()
         remove(self._scratch)
         remove(self._out)
         os.environ.pop("COURSE_CANARY", None)
 
-    def _worker(self, tests: Path, limits: Limits) -> tuple[int, WorkerProcess, Fingerprints]:
+    def _worker(self, tests: Path, limits: Limits) -> Worker:
         key = tests, limits
         if key not in self._workers:
             settings = Settings(
                 SEED, tests, ("4.1", "4.2"), sandbox=self._sandbox, limits=limits, grace_s=60
             )
-            folder = self._scratch / f"w{len(self._workers)}"
-            worker = WorkerProcess(settings, folder, self._nursery)
-            self._workers[key] = worker, Fingerprints(settings)
-            assert worker.answer() is None
-        number = list(self._workers).index(key)
-        return number, *self._workers[key]
+            folder = self._scratch / f"w{self._made}"
+            self._made += 1
+            process = WorkerProcess(settings, folder, self._nursery)
+            assert process.answer() is None
+            pid = self._nursery.pid(process._number)
+            self._workers[key] = Worker(process, Fingerprints(settings), folder, pid)
+        return self._workers[key]
 
     def _alone(self) -> float:
         self._begin_neighbour([])
@@ -129,10 +131,10 @@ class Desk:
 
     def _begin_neighbour(self, samples: list[str]) -> None:
         self._running = Beside(samples)
-        _begin(self._neighbour, self._of_neighbour, self._neighbour_root)
+        self._neighbour.begin(self._neighbour_root)
 
     def _end_neighbour(self) -> None:
-        result, running = self._neighbour.answer().result, self._running
+        result, running = self._neighbour.process.answer().result, self._running
         running.reached, running.possible = result.score, result.max_score
         running.seconds = result.seconds
         self.beside.append(running)
@@ -140,27 +142,17 @@ class Desk:
 
     def grade(self, root: Path, tests: Path, limits: Limits) -> Graded:
         """Grade the one submission in a folder, the neighbour beside it while that takes."""
-        number, worker, fingerprints = self._worker(tests, limits)
-        before = self.leftovers(number, worker)
+        worker = self._worker(tests, limits)
+        before = worker.leftovers() | _shared()
         started = time.monotonic()
-        _begin(worker, fingerprints, root)
-        (name,), finished = (path.name for path in root.iterdir()), None
-        if self._running:
-            self._running.samples.append(name)
-        with selectors.DefaultSelector() as selector:
-            for each in (worker, self._neighbour):
-                selector.register(each, selectors.EVENT_READ)
-            while finished is None:
-                if self._running is None:
-                    self._begin_neighbour([name])
-                ready = selector.select(max(0.0, started + _LONGEST_S - time.monotonic()))
-                assert ready, "the worker gives no answer"
-                for key, _ in ready:
-                    if key.fileobj is worker:
-                        finished, seconds = worker.answer(), time.monotonic() - started
-                    else:
-                        self._end_neighbour()
-        left = self.leftovers(number, worker) - before
+        worker.begin(root)
+        try:
+            finished = self._await(worker.process, [path.name for path in root.iterdir()])
+        except BaseException:  # what it would still say is not to be taken for the next one's
+            self._workers.pop((tests, limits)).process.close()
+            raise
+        seconds = time.monotonic() - started
+        left = (worker.leftovers() | _shared()) - before
         written = _write(self._out, finished)
         folder = report.student_folder(self._out, finished.result.student)
         return Graded(
@@ -171,53 +163,74 @@ class Desk:
             left,
         )
 
+    def _await(self, worker: WorkerProcess, names: list[str]) -> Finished:
+        """Let the neighbour be graded until the worker has its result."""
+        end = time.monotonic() + _LONGEST_S
+        if self._running:
+            self._running.samples += names
+        with selectors.DefaultSelector() as selector:
+            for each in (worker, self._neighbour.process):
+                selector.register(each, selectors.EVENT_READ)
+            while True:
+                if self._running is None:
+                    self._begin_neighbour([*names])
+                ready = [key.fileobj for key, _ in selector.select(end - time.monotonic())]
+                assert ready, "the worker gives no answer"
+                if worker in ready:
+                    return worker.answer()
+                self._end_neighbour()
+
     def settle(self) -> set[str]:
         """Wait for the neighbour; give what is left that no worker needs to begin the next."""
         if self._running:
             self._end_neighbour()
-        left = self._shared() - self._at_first
-        for number, (worker, _) in enumerate(self._workers.values()):
-            left |= {each for each in self._of_worker(number, worker) if "process " not in each}
+        left = _shared() - self._at_first
+        for worker in self._workers.values():
+            left |= {each for each in worker.leftovers() if str(worker.folder) in each}
         # Each worker has what forks its kernels; nobody else is there.
         pids = processes.descendants(self._nursery._process.pid)
         if len(pids) != 2 * len(self._workers):
             left.add(f"processes {pids}")
         return left
 
-    def _pid(self, worker: WorkerProcess) -> int:
-        return self._nursery.pid(worker._number)
 
-    def leftovers(self, number: int, worker: WorkerProcess) -> set[str]:
-        """List what a submission could leave: processes, sockets, shared memory, mounts, files.
+@dataclass
+class Worker:
+    """A worker, and what is needed to give it a task and to see what is left of that."""
+
+    process: WorkerProcess
+    fingerprints: Fingerprints
+    folder: Path
+    pid: int
+
+    def begin(self, root: Path) -> None:
+        """Grade the one submission in a folder."""
+        (source,) = find_submissions(root)
+        task = Task(source.student, source.paths, self.fingerprints(source.paths))
+        self.process.begin(task)
+
+    def leftovers(self) -> set[str]:
+        """List what a submission could leave here: processes, open files, sockets, mounts, files.
 
         What other programs do on this machine is not looked at, nor what the neighbour's worker
         does meanwhile: processes count that descend from this worker, which adopts what loses its
         parent, and files, sockets and mounts below its folder.
         """
-        open_ones = len(list(Path(f"/proc/{self._pid(worker)}/fd").iterdir()))
-        found = {f"{open_ones} descriptors of the worker", *self._shared()}
-        return found | {*self._of_worker(number, worker)}
-
-    def _of_worker(self, number: int, worker: WorkerProcess) -> list[str]:
-        folder = self._scratch / f"w{number}"
-        found = [f"process {pid}" for pid in processes.descendants(self._pid(worker))]
+        found = {f"process {pid}" for pid in processes.descendants(self.pid)}
+        found.add(f"{len(list(Path(f'/proc/{self.pid}/fd').iterdir()))} descriptors of the worker")
         for table in ("/proc/net/unix", "/proc/mounts"):
             lines = Path(table).read_text(errors="replace").splitlines()
-            found += [f"{table} {line}" for line in lines if f"{folder}/" in line]
-        return found + [str(path) for path in folder.iterdir()]
-
-    @staticmethod
-    def _shared() -> set[str]:
-        found = {str(path) for folder in SHARED for path in Path(folder).glob("*left*")}
-        for table in ("shm", "msg", "sem"):
-            for line in Path(f"/proc/sysvipc/{table}").read_text().splitlines()[1:]:
-                found.add(f"System V {table} {line.split()[0]}")
-        return found
+            found |= {f"{table} {line}" for line in lines if f"{self.folder}/" in line}
+        return found | {str(path) for path in self.folder.iterdir()}
 
 
-def _begin(worker: WorkerProcess, fingerprints: Fingerprints, root: Path) -> None:
-    (source,) = find_submissions(root)
-    worker.begin(Task(source.student, source.paths, fingerprints(source.paths)))
+def _shared() -> set[str]:
+    """List what is left where everybody may leave something."""
+    found = {str(path) for folder in SHARED for path in Path(folder).glob("*left*")}
+    for table in ("shm", "msg", "sem"):
+        for line in Path(f"/proc/sysvipc/{table}").read_text().splitlines()[1:]:
+            found.add(f"System V {table} {line.split()[0]}")
+    return found
 
 
 def _joined(*paths: Iterable[Path]) -> str:

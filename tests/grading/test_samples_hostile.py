@@ -63,8 +63,8 @@ def desks(tmp_path_factory) -> Iterator[Callable[[str], Desk]]:
 
     def close() -> None:
         for desk in opened.values():
-            left = desk.settle()
-            desk.__exit__()
+            with desk:
+                left = desk.settle()
             assert left == set()
             _leaves_the_neighbour_alone(desk)
 
@@ -72,7 +72,7 @@ def desks(tmp_path_factory) -> Iterator[Callable[[str], Desk]]:
         if sandbox not in opened:
             close()
             opened.clear()
-            opened[sandbox] = Desk(sandbox, neighbour).__enter__()
+            opened[sandbox] = Desk(sandbox, neighbour)
         return opened[sandbox]
 
     yield desk
@@ -85,9 +85,8 @@ def test_it_is_contained(desks, tmp_path, sandbox, name):
     desk = desks(sandbox)
     build.build(name, tmp_path / "in" / Path(name).name)
     limits = replace(LIMITS, **expected.get("limits", {}))
-    graded = desk.grade(
-        tmp_path / "in", ROOT / expected["hidden"] if "hidden" in expected else QUICK, limits
-    )
+    hidden = ROOT / expected["hidden"] if "hidden" in expected else QUICK
+    graded = desk.grade(tmp_path / "in", hidden, limits)
     print(f"{graded.seconds:.1f} s", graded.told["score"], graded.finished.result.events)
     print(f"alone {desk.alone:.1f} s", desk.beside)
     for test in graded.finished.result.tests:

@@ -30,6 +30,7 @@ _RECEIVE, _SEND = 0xC0502100, 0xC0182101
 _QUESTION, _REPLY = "=QIIiIQ6Q", "=QqiI"
 _CONTINUE = 1
 _PENALTY_SECONDS = 0.005  # who asks for too many waits: else asking alone would keep us busy
+_UNSEEN_SECONDS = 0.5  # between what is allowed and what is there, on a busy machine
 _libc = ctypes.CDLL(None, use_errno=True)
 
 
@@ -87,6 +88,7 @@ class Forks:
         self._descriptor = descriptor
         self._most = most
         self._left = 0
+        self._on_their_way: dict[int, float] = {}  # who was allowed, and when: not seen yet
 
     def serve(self, until: int) -> None:
         """Answer until another descriptor has something to read."""
@@ -107,11 +109,19 @@ class Forks:
     def _answer(self) -> None:
         question = bytearray(struct.calcsize(_QUESTION))
         fcntl.ioctl(self._descriptor, _RECEIVE, question)
-        number = struct.unpack_from("=Q", question)[0]
+        number, asking = struct.unpack_from("=QI", question)
+        now = time.monotonic()
+        self._on_their_way.pop(asking, None)  # has started the last one, and asks for another
         if self._left <= 0:
-            self._left = self._most - started_by(os.getpid())
+            self._on_their_way = {
+                who: when
+                for who, when in self._on_their_way.items()
+                if now < when + _UNSEEN_SECONDS
+            }
+            self._left = self._most - started_by(os.getpid()) - len(self._on_their_way)
         if self._left > 0:
             self._left -= 1
+            self._on_their_way[asking] = now
             reply = struct.pack(_REPLY, number, 0, 0, _CONTINUE)
         else:
             time.sleep(_PENALTY_SECONDS)

@@ -17,10 +17,14 @@ def fill():
 import time
 
 for _ in range(20):
-    if os.fork() == 0:
+    try:
+        child = os.fork()
+    except OSError:
+        break
+    if child == 0:
         try:
             fill()
         except OSError:
             time.sleep(60)
         os._exit(0)
-time.sleep(30)
+time.sleep(60)
