@@ -244,8 +244,9 @@ class _Grading:
 
     def _keep_cell(self, item: Any, call: pytest.CallInfo[None]) -> None:  # noqa: ANN401
         outputs = item.test_outputs or []
-        error = _cell_error(outputs, call.excinfo.value) if call.excinfo else None
         notebook = self.open_notebook(item.parent.exercise)
+        death = notebook.reason_of_death()
+        error = _cell_error(outputs, call.excinfo.value, death) if call.excinfo else None
         seen = len(notebook.pictures)
         notebook.record(outputs, error)
         item.test_outputs = None
@@ -314,7 +315,7 @@ class _SandboxedFile(IPyNbFile):  # type: ignore[misc]
         """Leave the kernel running: the hidden tests will question it."""
 
 
-def _cell_error(outputs: list[Any], error: BaseException) -> str:
+def _cell_error(outputs: list[Any], error: BaseException, death: str) -> str:
     for output in outputs:
         if output.get("output_type") == "error":
             kind = clean(str(output.get("ename", "")), 100)
@@ -327,7 +328,6 @@ def _cell_error(outputs: list[Any], error: BaseException) -> str:
     if isinstance(error, NbCellError):
         return "took too long and was stopped"
     if isinstance(error, KernelGoneError):
-        return (
-            f"ended its process ({clean(str(error), 200)})" if str(error) else "ended its process"
-        )
+        why = clean(str(error), 200) or death
+        return f"ended its process ({why})" if why else "ended its process"
     return "could not be executed"

@@ -126,9 +126,10 @@ def test_the_grader_itself_never_fails(graded, sandbox):
 @pytest.mark.parametrize(("sandbox", "name"), RIGHT)
 def test_what_is_right_gets_every_point(graded, sandbox, name):
     tests = _tests(graded[sandbox], name)
+    events = graded[sandbox].results[_student(name)].events
     assert tests
-    assert _lost(tests) == {}
-    assert not graded[sandbox].results[_student(name)].events
+    assert _lost(tests) == {}, events
+    assert not events
 
 
 @pytest.mark.parametrize("name", SOME)
