@@ -44,7 +44,11 @@ def locate_mug(mug, scene, match_count=100):
         if M is not None and mask.sum() >= MIN_MATCH_COUNT:
             h,w,d = mug.shape
             pts = np.float32([ [0,0],[0,h-1],[w-1,h-1],[w-1,0] ]).reshape(-1,1,2)
-            return cv.perspectiveTransform(pts,M).squeeze()
+            corners = cv.perspectiveTransform(pts,M).squeeze()
+            if cv.isContourConvex(corners) and cv.contourArea(corners, oriented=True)<-400:
+                return corners
+            print("this is no outline of a mug")
+            return None
         else:
             print("too few inliers")
             return None

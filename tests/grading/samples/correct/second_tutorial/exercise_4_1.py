@@ -43,7 +43,11 @@ def locate_mug(mug, scene, match_count=100):
     hh, ww = mug.shape[0], mug.shape[1]
     c = np.float32([[0, 0], [0, hh - 1], [ww - 1, hh - 1], [ww - 1, 0]])
     c = cv2.perspectiveTransform(c.reshape(-1, 1, 2), H)
-    return np.squeeze(c)
+    c = np.squeeze(c)
+    if not cv2.isContourConvex(c) or cv2.contourArea(c, oriented=True) > -400:
+        print("not found, the outline is folded, mirrored or tiny")
+        return None
+    return c
 
 # %%
 img1, img2 = load_images()

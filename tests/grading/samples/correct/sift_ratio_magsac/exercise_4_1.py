@@ -57,7 +57,10 @@ def locate_mug(mug, scene, match_count=100):
         return None
     height, width, _ = mug.shape
     frame = np.array([(0, 0), (0, height - 1), (width - 1, height - 1), (width - 1, 0)], float)
-    return cv2.perspectiveTransform(frame[None], homography)[0]
+    seen = cv2.perspectiveTransform(frame[None], homography)[0].astype(np.float32)
+    if not cv2.isContourConvex(seen) or cv2.contourArea(seen, oriented=True) > -400:
+        return None
+    return seen
 
 # %%
 template, shelf = load_images()
