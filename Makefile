@@ -32,7 +32,7 @@ lint: $(READY)
 	$(VENV)/bin/mypy
 
 test-opencv4: .venv-opencv4/.ready ## pass the library's tests on OpenCV 4 too
-	.venv-opencv4/bin/python -m pytest tests/unit
+	.venv-opencv4/bin/python -m pytest -n 2 --dist loadfile tests/unit
 
 test-samples: $(READY) ## grade every sample submission under both sandboxes (half an hour)
 	COURSE_ALL_SAMPLES=1 $(RUN) -m pytest tests/grading/test_samples.py tests/grading/test_samples_hostile.py
