@@ -2,7 +2,7 @@
 Every hostile and broken sample, beside a neighbour who must not notice.
 
 A sample names limits of its own where it would otherwise wait long for one. Every run grades every
-second sample, by turns in one of the sandboxes; `make test-samples` grades each in both.
+fourth sample, by turns in one of the sandboxes; `make test-samples` grades each in both.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ CASES = [
     (sandbox, name)
     for turn, sandbox in enumerate(SANDBOXES)
     for number, name in enumerate(build.names("hostile"))
-    if ALL or number % (2 * len(SANDBOXES)) == 2 * turn
+    if ALL or number % (4 * len(SANDBOXES)) == 4 * turn
 ]
 PROOF = Path("/tmp/GOT_THROUGH")  # noqa: S108  (where samples would write it)
 _MARKUP = re.compile(r"<(script|img|svg|b)\b[^>]*(onerror|onload|alert|owned)", re.IGNORECASE)
