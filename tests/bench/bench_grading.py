@@ -3,9 +3,10 @@ Seconds per submission: `course grade` against nbgrader, otter-grader and no gra
 
 All grade the same notebook with the same four public checks and four hidden tests (`graders/`), on
 two processors, in interleaved rounds of one run; the medians over the rounds are compared, so the
-ratios hold on any machine. Processor time is compared with that of as many plain scripts at a
-time as there are workers. Everything counts, from the start of a command to its end, and every
-process that it starts. Before, each must give a right submission 8 points and a wrong one 3.
+ratios hold on any machine. Processor time is compared with that of the plain script; two scripts at
+a time, which leave OpenCV fewer idle threads, are shown beside it. Everything counts, from the
+start of a command to its end, and every process that it starts. Before, each must give a right
+submission 8 points and a wrong one 3.
 Then `course grade` grades classes of several sizes: its memory must not grow with them.
 
 The other graders are installed, each in an environment of its own, when they are first wanted.
@@ -97,11 +98,11 @@ def report_speed(
     """Print the table; give the bars on speed."""
     medians = {title: middle(some) for title, some in spent.items()}
     batch = medians.get(Nbgrader.title)
-    table = Table("per submission, medians", "graded", "wall s", "CPU s", "CPU ÷ scripts", "")
+    table = Table("per submission, medians", "graded", "wall s", "CPU s", "CPU ÷ script", "")
     bars = []
     for contestant in contestants:
         own = medians[contestant.title]
-        script = medians[Script.titled(contestant.workers if isinstance(contestant, Ours) else 1)]
+        script = medians[Script.titled(1)]
         cpu = own.cpu / script.cpu if own.cpu and script.cpu else None
         times = batch.wall / own.wall if batch else None
         table.add_row(

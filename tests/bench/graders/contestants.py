@@ -59,8 +59,8 @@ class Contestant(ABC):
 class Script(Contestant):
     """No grader: the student's code and the checks in one script, the same calls.
 
-    Two at a time take more processor time each than one alone, as processors share caches: what
-    grades with two workers is compared with two.
+    One alone runs as its author would run it, with OpenCV's threads on every processor; two at a
+    time show what the machine can do at best.
     """
 
     def __init__(self, folder: Path, at_once: int) -> None:
