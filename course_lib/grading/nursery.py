@@ -10,7 +10,6 @@ socket of its own, which this process does not read, after the `zygote` beside i
 from __future__ import annotations
 
 import contextlib
-import gc
 import importlib
 import json
 import os
@@ -253,8 +252,6 @@ def main() -> None:
     control = socket.socket(fileno=int(sys.argv[1]))
     _name("nursery")
     importlib.import_module("course_lib.grading.sandbox.zygote").warm_up()
-    gc.collect()
-    gc.freeze()  # what is here stays: a collection in a child need not touch, and so copy, it
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     confine.become_subreaper()
     _Ward(control).serve()

@@ -56,8 +56,6 @@ def main() -> None:
     """Serve the launcher on the socket whose number is the one argument."""
     control = socket.socket(fileno=int(sys.argv[1]))
     warm_up()
-    gc.collect()
-    gc.freeze()  # what is here stays: a collection in a child need not touch, and so copy, it
     serve(control)
 
 
@@ -93,6 +91,8 @@ def warm_up() -> None:
     # Matplotlib reads the metadata of every installed package to find `inline`, and remembers.
     backends = importlib.import_module("matplotlib.backends.registry")
     backends.backend_registry.resolve_gui_or_backend("inline")
+    gc.collect()
+    gc.freeze()  # what is here stays: a collection in a child need not touch, and so copy, it
 
 
 def _keep(request: dict[str, Any], descriptors: list[int]) -> None:

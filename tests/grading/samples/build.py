@@ -88,6 +88,17 @@ def notebook(script: str) -> nbformat.NotebookNode:
     return made
 
 
+def hand_in_node(source: str, folder: Path) -> None:
+    """Write the least submission of Exercise 4.2 whose finding node is run."""
+    script = "# %%\ndef crop_waterhole(frame):\n    return frame"
+    nbformat.write(notebook(script), folder / "exercise_4_2.ipynb")
+    (folder / "unit4" / "src").mkdir(parents=True)
+    (folder / "unit4" / "package.xml").write_text("<package/>")
+    node = folder / "unit4" / "src" / "exercise4_2_2.py"
+    node.write_text(source)
+    node.chmod(0o755)
+
+
 def _copy(source: Path, target: Path) -> None:
     if source.is_dir():
         shutil.copytree(source, target, ignore=shutil.ignore_patterns("__pycache__"))
