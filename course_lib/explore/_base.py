@@ -11,7 +11,7 @@ import anywidget
 import cv2
 import ipywidgets
 import numpy as np
-from traitlets import Bytes, Int, Unicode
+from traitlets import Bytes, Int, List, Unicode
 
 from course_lib.explore._still import png
 
@@ -50,6 +50,9 @@ class Canvas(anywidget.AnyWidget):
         Size of the canvas on the page, in CSS pixels; it never changes, so the page never jumps.
     alt
         Text alternative.
+    quiet
+        Identifiers of the widgets that tell the kernel their values when they come to rest, not at
+        each step of a drag; `link` adds to it.
     """
 
     _css = stylesheet()
@@ -58,6 +61,7 @@ class Canvas(anywidget.AnyWidget):
     width = Int().tag(sync=True)
     height = Int().tag(sync=True)
     alt = Unicode().tag(sync=True)
+    quiet = List(Unicode()).tag(sync=True)
 
 
 class Viewer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
@@ -135,9 +139,22 @@ def jpeg(image: NDArray[np.uint8], quality: int = 88) -> bytes:
     return bytes(cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, quality])[1])
 
 
-def link(control: ipywidgets.Widget, canvas: Canvas, trait: str) -> None:
-    """Link a control's value to a canvas trait inside the browser, in one direction or both."""
-    ipywidgets.jslink((control, "value"), (canvas, trait))
+def link(
+    control: ipywidgets.Widget, canvas: Canvas, trait: str, *, attribute: str = "value"
+) -> None:
+    """Link a control's value to a canvas trait inside the browser, in both directions.
+
+    The kernel is told when they come to rest: a message at each step of a drag, with the kernel's
+    replies, costs the browser more than half of its pictures.
+    """
+    ipywidgets.jslink((control, attribute), (canvas, trait))
+    quieten(canvas, control)
+
+
+def quieten(canvas: Canvas, *controls: ipywidgets.Widget) -> None:
+    """Let a canvas and its controls tell the kernel their values only when they rest."""
+    ids = [widget.model_id for widget in (canvas, *controls)]
+    canvas.quiet = list(dict.fromkeys([*canvas.quiet, *ids]))
 
 
 def slider(description: str, value: float, low: float, high: float, step: float = 1) -> Any:  # noqa: ANN401

@@ -155,7 +155,7 @@ def _controls(canvas: BriefCanvas, count: int) -> list[ipywidgets.Widget]:
         choice = ipywidgets.Dropdown(
             options=options, index=getattr(canvas, trait), description=label, style=style
         )
-        ipywidgets.jslink((choice, "index"), (canvas, trait))
+        link(choice, canvas, trait, attribute="index")
         controls.append(choice)
     for label, trait in (("point A", "first"), ("point B", "second")):
         control = slider(label, 1, 1, count)

@@ -17,6 +17,7 @@ from course_lib.explore._base import (
     jpeg,
     link,
     module,
+    quieten,
     slider,
 )
 from course_lib.explore._estimate import Estimate, Pairer, estimate
@@ -189,6 +190,7 @@ def _controls(
     play = ipywidgets.Play(value=0, min=0, max=length - 1, interval=150)
     ipywidgets.jslink((play, "value"), (position, "value"))
     link(position, canvas, "position")
+    quieten(canvas, play)
     labels = [str(n) if n < 1000 else "all" for n in counts]
     count = ipywidgets.SelectionSlider(
         options=labels,
@@ -197,7 +199,7 @@ def _controls(
         style={"description_width": "initial"},
         layout={"width": "min(100%, 540px)"},
     )
-    ipywidgets.jslink((count, "index"), (canvas, "count"))
+    link(count, canvas, "count", attribute="index")
     return [ipywidgets.HBox([play, position]), count]
 
 

@@ -145,7 +145,7 @@ def fast_magnifier(
         style={"description_width": "initial"},
     )
     # The browser knows an option by its place only.
-    ipywidgets.jslink((arc, "index"), (canvas, "choice"))
+    link(arc, canvas, "choice", attribute="index")
     label = f"{text}. Run the notebook to point at other pixels."
     still = caption(_draw(grey, x, y, threshold), label)
     return Viewer([control, arc, canvas], still=still, alt=alt)

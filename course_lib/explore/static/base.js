@@ -29,6 +29,27 @@ function backdrop(bitmap, width, height) {
   };
 }
 
+const REST = 250; // milliseconds
+
+/**
+ * Let the widgets named in `quiet` tell the kernel their values only when they have come to rest.
+ * Told at each step of a drag, the kernel answers each with three messages, and handling those
+ * took the browser longer than painting.
+ */
+async function quieten(model) {
+  for (const id of model.get("quiet")) {
+    const widget = await model.widget_manager.get_model(id);
+    const save = widget.save_changes;
+    if (save.isQuiet) continue;
+    let timer = 0;
+    widget.save_changes = (...options) => {
+      clearTimeout(timer);
+      timer = setTimeout(() => save.apply(widget, options), REST);
+    };
+    widget.save_changes.isQuiet = true;
+  }
+}
+
 /** Colours of the page's theme, for what is drawn on the page's own background. */
 function themeOf(el) {
   const style = getComputedStyle(el);
@@ -52,6 +73,7 @@ function themeOf(el) {
  * most once per animation frame, and in the frame of the event that asked.
  */
 function createStage({ model, el }, paint, { lines = 1, focusable = false } = {}) {
+  quieten(model);
   const width = model.get("width");
   const height = model.get("height");
   el.classList.add("fm-viewer");

@@ -3,8 +3,8 @@
 const RING = [0, 229, 255];
 
 /**
- * For every canvas pixel the highest threshold at which some corner's ring covers it. A repaint
- * then is one comparison per pixel, whether ten corners pass or fifty thousand.
+ * For every canvas pixel the highest threshold at which some corner's ring covers it. A step of
+ * the slider then changes the pixels with that value, and looks at no others.
  */
 function ringMap(points, scores, columns, rows, scale, pixelRatio) {
   const map = new Uint8Array(columns * rows);
@@ -27,6 +27,17 @@ function ringMap(points, scores, columns, rows, scale, pixelRatio) {
     }
   }
   return map;
+}
+
+/** The places of a map by the value that stands there: 256 lists of indices. */
+function placesByValue(map) {
+  const starts = new Uint32Array(257);
+  for (const value of map) starts[value + 1]++;
+  for (let value = 0; value < 256; value++) starts[value + 1] += starts[value];
+  const places = new Uint32Array(map.length);
+  const next = starts.slice();
+  for (let i = 0; i < map.length; i++) places[next[map[i]]++] = i;
+  return Array.from({ length: 256 }, (_, v) => places.subarray(starts[v], starts[v + 1]));
 }
 
 /** How many of the scores, sorted from high to low, are at least `threshold`. */
@@ -60,7 +71,10 @@ async function render({ model, el }) {
       frame,
       pixels: new Uint32Array(frame.data.buffer),
       background: new Uint32Array(frame.data.buffer.slice(0)),
-      maps: sets.map((s) => ringMap(s.points, s.scores, columns, rows, scale, pixelRatio)),
+      rings: sets.map((s) =>
+        placesByValue(ringMap(s.points, s.scores, columns, rows, scale, pixelRatio)),
+      ),
+      shown: { nonmax: null, threshold: 256 },
       colour: new Uint32Array(new Uint8Array([...RING, 255]).buffer)[0],
     };
   }
@@ -70,9 +84,15 @@ async function render({ model, el }) {
     const threshold = model.get("threshold");
     const nonmax = model.get("nonmax") ? 1 : 0;
     const { pixels, background, colour } = layers;
-    const map = layers.maps[nonmax];
-    for (let i = 0; i < pixels.length; i++)
-      pixels[i] = map[i] >= threshold ? colour : background[i];
+    if (layers.shown.nonmax !== nonmax) {
+      pixels.set(background);
+      layers.shown = { nonmax, threshold: 256 };
+    }
+    const rings = layers.rings[nonmax];
+    const before = layers.shown.threshold;
+    for (let t = threshold; t < before; t++) for (const i of rings[t]) pixels[i] = colour;
+    for (let t = before; t < threshold; t++) for (const i of rings[t]) pixels[i] = background[i];
+    layers.shown.threshold = threshold;
     context.putImageData(layers.frame, 0, 0);
     const count = countAtLeast(sets[nonmax].scores, threshold);
     const how = nonmax ? "with" : "without";
