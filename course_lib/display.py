@@ -25,6 +25,8 @@ MAX_BYTES = 150_000
 MAX_WIDTH = 1200
 MIN_WIDTH = 64
 GAP = 12
+# Half as many colours make a picture about this much smaller, seldom less.
+_HALVED = 0.75
 CAPTION_SIZE = 15
 
 
@@ -129,6 +131,8 @@ def encode_png(
             data = _png(sheet.quantize(colours, dither=PIL.Image.Dither.NONE))
             if len(data) <= max_bytes:
                 return data
+            if len(data) > max_bytes / _HALVED:
+                break
         if sheet.width <= MIN_WIDTH:
             break
         # Bytes go with the area; a little less, so that one step mostly suffices.

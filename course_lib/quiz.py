@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 import anywidget
 from traitlets import Dict, List, Unicode
 
+from course_lib.display import encode_png
 from course_lib.explore._base import mimebundle
-from course_lib.explore._still import png, text_page
+from course_lib.explore._still import text_page
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -48,7 +49,7 @@ class Question(anywidget.AnyWidget):
 
     def _repr_mimebundle_(self, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:  # noqa: ANN401
         text = repr(self)
-        still = png(text_page(text.replace("`", ""), 640))
+        still = encode_png(text_page(text.replace("`", ""), 640))
         return mimebundle(super()._repr_mimebundle_(**kwargs), still, text)
 
 

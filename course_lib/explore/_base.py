@@ -13,7 +13,7 @@ import ipywidgets
 import numpy as np
 from traitlets import Bytes, Int, List, Unicode
 
-from course_lib.explore._still import png
+from course_lib.display import encode_png
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 STATIC = Path(__file__).parent / "static"
+# Stored notebooks stay small enough to read on the web.
+STILL_BYTES = 100_000
 
 
 @cache
@@ -83,7 +85,7 @@ class Viewer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         super().__init__(list(children))
         self.add_class("fm-box")
         self.alt = alt
-        self._png = png(still)
+        self._png = encode_png(still, max_bytes=STILL_BYTES)
 
     def __repr__(self) -> str:
         return self.alt

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any, Protocol
 
 import cv2
@@ -116,7 +117,10 @@ def flight(
         raise ValueError("frames is empty: nothing to fly along")
     pairer = Pairer(colour_picture(template, "template"))
     pairings = [pairer.pair(colour_picture(f.image, "frames")) for f in chosen]
-    table = [[estimate(p, n, ransac_threshold) for n in counts] for p in pairings]
+    with ThreadPoolExecutor() as pool:  # OpenCV lets go of the interpreter, and draws no luck
+        table = list(
+            pool.map(lambda p: [estimate(p, n, ransac_threshold) for n in counts], pairings)
+        )
     silhouette = None if outline is None else np.asarray(outline, np.float64).reshape(-1, 2)
     errors = np.array(
         [[_error(e, f, silhouette) for e in row] for row, f in zip(table, chosen, strict=True)],

@@ -2,37 +2,14 @@
 
 from __future__ import annotations
 
-import io
 from typing import TYPE_CHECKING
 
-import cv2
 import numpy as np
 from matplotlib import font_manager
 from PIL import Image, ImageDraw, ImageFont
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-# Stored notebooks stay small enough to read on the web.
-MAX_BYTES = 100_000
-
-
-def png(image: NDArray[np.uint8], max_bytes: int = MAX_BYTES) -> bytes:
-    """Encode a BGR picture as a palette PNG of at most `max_bytes` bytes.
-
-    Fewer colours come first, then fewer pixels: a viewer's marks stay legible longer that way.
-    """
-    height, width = image.shape[:2]
-    for scale in (1.0, 0.85, 0.7, 0.55, 0.4, 0.25):
-        size = (max(1, round(width * scale)), max(1, round(height * scale)))
-        small = cv2.resize(image, size, interpolation=cv2.INTER_AREA) if scale < 1 else image
-        picture = Image.fromarray(cv2.cvtColor(small, cv2.COLOR_BGR2RGB))
-        for colours in (128, 64, 40):
-            buffer = io.BytesIO()
-            picture.quantize(colours, dither=Image.Dither.NONE).save(buffer, "PNG", optimize=True)
-            if buffer.tell() <= max_bytes:
-                return buffer.getvalue()
-    return buffer.getvalue()
 
 
 def caption(image: NDArray[np.uint8], text: str) -> NDArray[np.uint8]:
