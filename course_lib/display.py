@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-MAX_BYTES = 150_000
+MAX_BYTES = 140_000
 # A notebook's column is about this wide; more pixels only weigh.
 MAX_WIDTH = 1200
 MIN_WIDTH = 64
@@ -70,10 +70,10 @@ def show(
         raise ValueError("image is an empty sequence: nothing to show")
     if captions is not None and len(captions) != len(pictures):
         raise ValueError(f"{len(pictures)} pictures need as many captions, got {len(captions)}")
-    sheet = _sheet(pictures, captions, as_count(columns or len(pictures), "columns", 1))
+    limit = MAX_WIDTH if width is None else as_count(width, "width", 1)
+    sheet = _sheet(pictures, captions, as_count(columns or len(pictures), "columns", 1), limit)
     if title:
         sheet = _headed(sheet, title)
-    sheet = _narrowed(sheet, MAX_WIDTH if width is None else as_count(width, "width", 1))
     _publish(encode_png(sheet, max_bytes=max_bytes), sheet.width, alt)
 
 
@@ -172,9 +172,16 @@ def _narrowed(sheet: PIL.Image.Image, width: int) -> PIL.Image.Image:
 
 
 def _sheet(
-    pictures: Sequence[Image], captions: Sequence[str] | None, columns: int
+    pictures: Sequence[Image], captions: Sequence[str] | None, columns: int, limit: int
 ) -> PIL.Image.Image:
+    """Put pictures in rows, at most `limit` pixels wide, and captions of full size above them."""
     parts = [_as_pil(picture) for picture in pictures]
+    widest = max(
+        sum(p.width for p in parts[i : i + columns]) for i in range(0, len(parts), columns)
+    )
+    room = max(1, limit - GAP * (min(columns, len(parts)) - 1))
+    if widest > room:
+        parts = [_narrowed(part, max(1, part.width * room // widest)) for part in parts]
     if captions is not None:
         parts = [_headed(part, text) for part, text in zip(parts, captions, strict=True)]
     rows = [_row(parts[i : i + columns]) for i in range(0, len(parts), columns)]
