@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from types import FrameType
 
+    from course_lib.grading.nursery import Nursery
     from course_lib.grading.runner import Backend, Options, Outcome
 
 EXERCISES = ("4.1", "4.2")
@@ -99,6 +100,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main(args: argparse.Namespace) -> int:
     """Run ``course grade``; return the exit status."""
     # Imported late, so that --help is there at once.
+    from course_lib.grading.nursery import Nursery  # noqa: PLC0415
+
+    nursery = None if args.scheduler else Nursery()  # it warms up while this process does, too
+    try:
+        return _run(args, nursery)
+    finally:
+        if nursery:
+            nursery.close()
+
+
+def _run(args: argparse.Namespace, nursery: Nursery | None) -> int:
     from course_lib.grading import lean  # noqa: PLC0415
 
     lean.import_nbformat()
@@ -110,7 +122,7 @@ def main(args: argparse.Namespace) -> int:
 
     try:
         with _interruptible():
-            options, backend = _prepare(args)
+            options, backend = _prepare(args, nursery)
             outcome = grade_class(options, backend, Shown(verbose=args.verbose))
     except (UsageError, NoSandboxError, seed_file.SeedFileError, ClusterError) as error:
         return _fail(str(error), _USAGE)
@@ -125,7 +137,7 @@ def main(args: argparse.Namespace) -> int:
     return outcome.status
 
 
-def _prepare(args: argparse.Namespace) -> tuple[Options, Backend]:
+def _prepare(args: argparse.Namespace, nursery: Nursery | None) -> tuple[Options, Backend]:
     from course_lib.grading.cluster import Cluster  # noqa: PLC0415
     from course_lib.grading.messages import GRADE, Settings  # noqa: PLC0415
     from course_lib.grading.pool import Pool, usable_cpus  # noqa: PLC0415
@@ -168,7 +180,7 @@ def _prepare(args: argparse.Namespace) -> tuple[Options, Backend]:
     if cluster:
         cluster.settings = settings
         return options, cluster
-    return options, Pool(settings, args.workers or usable_cpus())
+    return options, Pool(settings, args.workers or usable_cpus(), nursery)
 
 
 def _must_have_ros(args: argparse.Namespace) -> None:

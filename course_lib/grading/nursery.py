@@ -111,8 +111,12 @@ class Nursery:
         return self._complaints.read()[-2000:].decode(errors="replace").strip()
 
     def close(self) -> None:
-        """End it; its workers have ended before."""
+        """End it, if that has not been done; its workers have ended before."""
+        if self._complaints.closed:
+            return
         self._control.close()
+        if not self._made:
+            self._process.kill()  # it may be warming up, and would hear of the end only then
         try:
             self._process.wait(_STATUS_SECONDS)
         except subprocess.TimeoutExpired:

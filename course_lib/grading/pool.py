@@ -44,13 +44,16 @@ class Pool:
     settings : Settings
     workers : int
         How many at most.
+    nursery : Nursery, optional
+        Where the first workers come from; it is closed with them.
     """
 
-    def __init__(self, settings: Settings, workers: int) -> None:
+    def __init__(self, settings: Settings, workers: int, nursery: Nursery | None = None) -> None:
         self._settings = settings
         self._most = max(1, workers)
         self._selector = selectors.DefaultSelector()
-        self._nurseries: list[Nursery] = []  # a second one if the first has died
+        # A second one is made if the first has died.
+        self._nurseries = [nursery] if nursery else []
         self._workers: list[WorkerProcess] = []
         self._waiting: deque[Task] = deque()
         self._losses: Counter[str] = Counter()
