@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextvars
 import json
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any
 
 import cv2
@@ -16,20 +18,23 @@ from course_lib.explore._still import caption
 from course_lib.localize import TemplateLocator
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
+    from concurrent.futures import Future
 
     from numpy.typing import NDArray
 
+    from course_lib.camera import Frame
     from course_lib.drone import Drone
 
 WIDTH, HEIGHT = 640, 480
 COMMANDS = ("vx", "vy", "vz", "yaw")
+MOST_OWED = 20  # frames, so that a browser that has gone is not sent pictures for ever
 LONGEST = 0.25  # seconds that pass between two frames at most, however slow the machine
 FOUND_BGR, TRUE_BGR = (94, 197, 34), (250, 165, 96)
 
 
 class FlyCanvas(Canvas):
-    """What the drone sees; the browser asks for each frame, and nobody works when it does not."""
+    """What the drone sees; the browser asks for frames, and nobody works when it does not."""
 
     _esm = module("fly")
 
@@ -43,6 +48,9 @@ class FlyCanvas(Canvas):
 class Cockpit:
     """Answers the browser's questions: flies on, takes a picture, looks for the object.
 
+    While the object is looked for in one picture, the next is drawn on the other processor. So a
+    command is seen one picture later, and there are half as many again in a second.
+
     Parameters
     ----------
     drone : Drone
@@ -53,6 +61,8 @@ class Cockpit:
         self._drone = drone
         self._locator = locator
         self._last = 0.0
+        self._camera = ThreadPoolExecutor(1, thread_name_prefix="cockpit")
+        self._next: Future[tuple[Frame, str]] | None = None
         self._lock = threading.Lock()  # JupyterLab may answer from several threads
 
     def answer(self, command: Mapping[str, float]) -> tuple[dict[str, Any], NDArray[np.uint8]]:
@@ -76,13 +86,13 @@ class Cockpit:
     def _answer(self, command: Mapping[str, float]) -> tuple[dict[str, Any], NDArray[np.uint8]]:
         now = time.monotonic()
         elapsed, self._last = min(now - self._last, LONGEST), now
+        # The drone is touched by one thread at a time: the last picture is done before it moves.
+        frame, where = self._next.result() if self._next else self._look()
         self._drone.command(*(float(command.get(name, 0.0)) for name in COMMANDS))
         self._drone.step(elapsed)
-        frame = self._drone.frame()
+        self._next = self._camera.submit(self._look)
         detection = self._locator.locate(frame.image)
         truth = (frame.truth or {})["well"]
-        x, y, z = self._drone.position
-        where = f"{np.hypot(x, y):.1f} m from the well, {z:.1f} m up"
         found = f"found, {detection.inlier_count} inliers" if detection else "not found"
         corners = detection.corners
         about = {
@@ -91,6 +101,61 @@ class Cockpit:
             "text": f"{where}; {found}.",
         }
         return about, frame.image
+
+    def _look(self) -> tuple[Frame, str]:
+        x, y, z = self._drone.position
+        return self._drone.frame(), f"{np.hypot(x, y):.1f} m from the well, {z:.1f} m up"
+
+
+class Stream:
+    """Sends as many frames as the browser has asked for last, beside whatever else the kernel does.
+
+    A request for each frame would cost more than the frame: JupyterLab draws its toolbar anew
+    whenever the kernel is busy with a message, and when it is idle again.
+
+    Parameters
+    ----------
+    cockpit : Cockpit
+    send : callable
+        Sends what is said about a frame, and its picture as a JPEG file.
+    """
+
+    def __init__(self, cockpit: Cockpit, send: Callable[[dict[str, Any], bytes], None]) -> None:
+        self._cockpit = cockpit
+        self._send = send
+        self._command: Mapping[str, float] = {}
+        self._owed = 0
+        self._running = False
+        self._lock = threading.Lock()
+
+    def ask(self, command: Mapping[str, float], frames: int) -> None:
+        """Follow another command, and owe so many frames from now on."""
+        with self._lock:
+            self._command, self._owed = command, min(frames, MOST_OWED)
+            if self._running or self._owed < 1:
+                return
+            self._running = True
+        # Messages from another thread still need to say which request they answer.
+        context = contextvars.copy_context()
+        threading.Thread(target=context.run, args=(self._run,), daemon=True).start()
+
+    def _run(self) -> None:
+        while (command := self._next()) is not None:
+            try:
+                about, image = self._cockpit.answer(command)
+                self._send(about, jpeg(image, 80))
+            except BaseException:
+                with self._lock:
+                    self._running = False
+                raise
+
+    def _next(self) -> Mapping[str, float] | None:
+        with self._lock:
+            if self._owed < 1:
+                self._running = False
+                return None
+            self._owed -= 1
+            return self._command
 
 
 def fly(
@@ -103,8 +168,8 @@ def fly(
     """Fly the simulated drone while an object is outlined in what it sees.
 
     Four sliders set the velocity; on the picture itself the keys W A S D, the arrows, R and F do,
-    and the space bar stops. The browser asks the kernel for one frame after the other while the
-    drone is commanded and for a moment after; otherwise nothing runs.
+    and the space bar stops. The browser asks the kernel for a few frames at a time while the drone
+    is commanded and for a moment after; otherwise nothing runs.
 
     Parameters
     ----------
@@ -135,10 +200,11 @@ def fly(
         first=json.dumps(about),
     )
 
+    stream = Stream(cockpit, lambda about, data: canvas.send({"kind": "frame", **about}, [data]))
+
     def reply(_canvas: FlyCanvas, message: Mapping[str, Any], _buffers: object) -> None:
         if message.get("kind") == "look":
-            about, image = cockpit.answer(message.get("command", {}))
-            canvas.send({"kind": "frame", **about}, [jpeg(image, 80)])
+            stream.ask(message.get("command", {}), int(message.get("frames", 1)))
 
     canvas.on_msg(reply)
     controls = [

@@ -1,4 +1,4 @@
-/* The cockpit: keys and sliders set a velocity, the kernel sends a picture for each request. */
+/* The cockpit: keys and sliders set a velocity, the kernel sends the pictures that are asked for. */
 
 const KEYS = {
   w: ["vx", 1], s: ["vx", -1], a: ["vy", 1], d: ["vy", -1],
@@ -8,14 +8,17 @@ const KEYS = {
 const SPEED = { vx: 0.8, vy: 0.6, vz: 0.5, yaw: 0.6 };
 const SETTLE = 2500; // milliseconds that frames still come after the last command: it brakes
 const PATIENCE = 4000; // without an answer for so long there is no kernel
+const AT_ONCE = 6; // frames of one request; a slow page is never more than these behind
 const RATE_OVER = 20; // frames
 
 async function render({ model, el }) {
   let bitmap = await decode(typed(model, "picture"));
   let about = JSON.parse(model.get("first"));
-  let waiting = 0; // when the unanswered request was sent
+  let owed = 0; // frames asked for that have not come
+  let heard = 0; // when the last one came
   let awake = 0; // until when frames are asked for
-  let timer = 0;
+  let answers = 0;
+  let shown = 0; // the answer that is on the canvas
   let arrivals = [];
   let silent = false;
   let gone = false;
@@ -23,20 +26,20 @@ async function render({ model, el }) {
   const command = () => Object.fromEntries(Object.keys(SPEED).map((k) => [k, model.get(k)]));
   const moving = () => Object.values(command()).some((v) => v !== 0);
 
-  function ask() {
-    timer = 0;
-    if (gone || waiting || document.hidden) return;
+  function ask({ atOnce = false } = {}) {
+    if (gone || document.hidden) return;
     if (!moving() && performance.now() > awake) {
       arrivals = [];
       stage.redraw();
       return;
     }
-    waiting = performance.now();
-    model.send({ kind: "look", command: command() });
-    const sent = waiting;
+    if (!atOnce && owed > AT_ONCE / 2) return;
+    owed = AT_ONCE;
+    model.send({ kind: "look", command: command(), frames: owed });
+    const sent = performance.now();
     setTimeout(() => {
-      if (waiting !== sent || gone) return;
-      waiting = 0;
+      if (heard > sent || gone) return;
+      owed = 0;
       silent = true;
       stage.redraw();
     }, PATIENCE);
@@ -44,24 +47,30 @@ async function render({ model, el }) {
 
   function steer() {
     awake = performance.now() + SETTLE;
-    ask();
+    ask({ atOnce: true });
     stage.redraw();
   }
 
   async function onMessage(message, buffers) {
     if (message.kind !== "frame") return;
+    const turn = ++answers;
+    owed--;
+    heard = performance.now();
+    silent = false;
+    ask();
     const view = buffers[0];
     const bytes = new Uint8Array(view.buffer ?? view, view.byteOffset ?? 0, view.byteLength);
     const next = await decode(bytes);
-    if (gone) return;
+    if (gone || turn < shown) {
+      next.close();
+      return;
+    }
+    shown = turn;
     bitmap.close();
     bitmap = next;
     about = message;
-    waiting = 0;
-    silent = false;
     arrivals = [...arrivals, performance.now()].slice(-RATE_OVER);
     stage.redraw();
-    timer ||= requestAnimationFrame(ask);
   }
 
   function outline(context, points, ink, width) {
@@ -161,7 +170,6 @@ async function render({ model, el }) {
   stage.redraw();
   return () => {
     gone = true;
-    cancelAnimationFrame(timer);
     for (const name of names) model.off(`change:${name}`, steer);
     model.off("msg:custom", onMessage);
     document.removeEventListener("visibilitychange", ask);
