@@ -27,6 +27,8 @@ UNIT = 170  # stored value of the factor 1: up to 1.5 fits into a byte
 
 # What lies flat under open sky; its shadows are pictures, not facets.
 OPEN = ("garden/lawn", "garden/stand", "garden/path", "house/walls")
+# Sunlight comes through a cloud and out of it below, evenly; linear BGR.
+CLOUDS, THROUGH_CLOUDS = "distance/clouds", np.array([0.62, 0.55, 0.50])
 SMALL = ("tufts", "daisies", "dandelions", "flowers", "eyes")
 GROUND = (-11.0, -11.0, 22.0)  # west, south, size, metres
 WALL = (-7.7, 9.0, 2.9)  # west, length, height of the house's front
@@ -67,6 +69,8 @@ def _facets(part: Part, light: Light) -> NDArray[np.uint8]:
     for weight in weights:
         points = np.einsum("k,mkd->md", weight, corners)
         total += light.falling_on(points, normals, shadows=part.name not in OPEN) / len(weights)
+    if part.name == CLOUDS:
+        total = np.maximum(total, THROUGH_CLOUDS)
     # The triangles of one polygon are one surface: without a common shade their seam would show.
     _, polygon = np.unique(part.mesh.faces[:, 0], return_inverse=True)
     whole = np.maximum(np.bincount(polygon, areas), 1e-12)
