@@ -163,10 +163,16 @@ def stage(source: Source, into: Path) -> Submission:
         best = max(found, key=lambda f: f.belongs_to(exercise), default=None)
         if best is None or not any(best.belongs_to(exercise)[:3]):
             missing = f"There is no notebook of Exercise {exercise} in your submission."
-            about = [
-                said for path, said in broken if not notebooks.named_for_another(path, exercise)
+            about = {
+                clean(path.name, 100): said
+                for path, said in broken
+                if not notebooks.named_for_another(path, exercise)
+            }
+            problems[exercise] = " ".join([missing, *about.values()])
+            copier.events += [
+                f"{name} could not be read, and nothing else is Exercise {exercise}"
+                for name in about
             ]
-            problems[exercise] = " ".join([missing, *about])
             continue
         chosen[exercise] = best
         usual = f"exercise_{exercise.replace('.', '_')}.ipynb"

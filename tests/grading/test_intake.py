@@ -40,6 +40,7 @@ def test_a_broken_file_is_told_of_where_it_belongs(tmp_path):
     assert "exercise_4_1.ipynb ends in the middle" in found.problems["4.1"]
     assert "exercise_4_1.ipynb" not in found.problems["4.2"]
     assert all("homework.ipynb is empty" in problem for problem in found.problems.values())
+    assert "exercise_4_1.ipynb could not be read, and nothing else is Exercise 4.1" in found.events
 
 
 @pytest.mark.parametrize("name", ["my_homework", "unit_4_1_and_4_2", "exercise_4_1"])
