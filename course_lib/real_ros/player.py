@@ -221,6 +221,7 @@ class Player:
             self.look_around()
             idle = idle + 1 if self.pids and not busy(list(self.pids.values())) else 0
         self.settle()  # it may still be making its publishers
+        self.look_around()  # which at a fixed rate nobody would look for again
         self.began = time.monotonic()
 
     def look_around(self) -> None:
