@@ -319,20 +319,85 @@ with Launcher("{sandbox}") as launcher, launcher.kernel(Path(tempfile.mkdtemp())
     )
 print("user", os.getuid())
 """
+# The student's processes run under the instructor's own user id, who may lock or lease any of it.
+MEDDLING = """
+import fcntl, os
+outside = {outside!r}
+def may(do, *args, **options):
+    try:
+        do(*args, **options)
+    except OSError:
+        return False
+    return True
+own = os.open("own", os.O_RDONLY | os.O_CREAT)
+os.symlink(outside, "link")
+os.mkdir("folder")
+there = os.open("folder", os.O_RDONLY)
+print(
+    "meddled",
+    may(os.chmod, outside, 0),
+    may(os.chmod, os.path.dirname(outside), 0),
+    may(os.chmod, "link", 0),
+    may(os.chmod, os.path.join("..", os.path.basename(os.path.dirname(outside))), 0),
+    may(os.utime, outside, (0, 0)),
+    may(os.utime, "link"),
+    may(os.chown, outside, -1, os.getgid()),
+    may(os.setxattr, outside, "user.x", b""),
+    may(fcntl.fcntl, own, fcntl.F_SETLEASE, fcntl.F_WRLCK),
+)
+os.chmod("own", 0o750)
+assert os.stat("own").st_mode & 0o777 == 0o750
+os.fchmod(own, 0o741)
+os.utime("own", ns=(1, 2))
+assert os.stat("own").st_mtime_ns == 2
+os.utime(own)
+open("folder/own", "w").close()
+os.chmod("own", 0o711, dir_fd=os.open(".", os.O_RDONLY))
+os.utime("link", (3, 3), follow_symlinks=False)
+os.chmod("folder/own", 0o700)
+os.chmod("own", 0o4755)
+print("own", oct(os.stat("own").st_mode), os.stat("own").st_mtime > 9, os.lstat("link").st_mtime)
+for wrong in ("", "none", "x" * 5000, "own/own"):
+    assert not may(os.chmod, wrong, 0)
+"""
+MEDDLER_CODE = """
+import os, tempfile
+from pathlib import Path
+from course_lib.grading.sandbox import Launcher
+outside = Path(tempfile.mkdtemp()) / "results"
+outside.write_text("")
+code = {code!r}.replace("{{outside!r}}", repr(str(outside)))
+before = [os.stat(path) for path in (outside, outside.parent)]
+with Launcher("{sandbox}") as launcher, launcher.kernel(Path(tempfile.mkdtemp())) as kernel:
+    kernel.client.execute_interactive(code, timeout=40)
+assert [os.stat(path) for path in (outside, outside.parent)] == before
+"""
 
 
-@pytest.mark.parametrize("sandbox", ["bubblewrap", "sandlock"])
-def test_an_ordinary_user_can_grade(sandbox: str) -> None:
+def run_as_user(code: str) -> subprocess.CompletedProcess[str]:
     packages = Path(pytest.__file__).resolve().parents[1]
     script = AS_USER.format(packages=packages, root=ROOT, python="/usr/bin/python3")
-    code = USER_CODE.format(sandbox=sandbox)
     if os.getuid() == 0:
         command = ["unshare", "-m", "--propagation", "private", "bash", "-ec", script, "x", code]
     else:
         command = [sys.executable, "-c", code]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+
+
+@pytest.mark.parametrize("sandbox", ["bubblewrap", "sandlock"])
+def test_an_ordinary_user_can_grade(sandbox: str) -> None:
+    done = run_as_user(USER_CODE.format(sandbox=sandbox))
     assert "here False" in done.stdout, done.stderr
     assert "user 0" not in done.stdout
+
+
+@pytest.mark.parametrize("sandbox", ["bubblewrap", "sandlock"])
+def test_what_the_user_owns_is_not_the_students_to_lock(sandbox: str) -> None:
+    done = run_as_user(MEDDLER_CODE.format(sandbox=sandbox, code=MEDDLING))
+    assert f"meddled{' False' * 9}\n" in done.stdout, done.stdout + done.stderr
+    mode = "0o104755" if sandbox == "bubblewrap" else "0o100755"
+    assert f"own {mode} True 3.0\n" in done.stdout
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_choosing_says_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -69,6 +69,26 @@ _DENIED = {
     "ioprio_set": (251, 30),
     "clone3": (435, 435),  # its flags cannot be looked at; libraries fall back to clone
 }
+# Landlock has no rule for these, which change files that the process may not even open.
+_NOT_HERE = 0xFFFFFFFF
+_DENIED_WITHOUT_MOUNTS = {
+    "chown": (92, _NOT_HERE),
+    "fchown": (93, 55),
+    "lchown": (94, _NOT_HERE),
+    "fchownat": (260, 54),
+    "utime": (132, _NOT_HERE),
+    "utimes": (235, _NOT_HERE),
+    "futimesat": (261, _NOT_HERE),
+    "setxattr": (188, 5),
+    "lsetxattr": (189, 6),
+    "fsetxattr": (190, 7),
+    "removexattr": (197, 14),
+    "lremovexattr": (198, 15),
+    "fremovexattr": (199, 16),
+    "setxattrat": (463, 463),
+    "removexattrat": (466, 466),
+    "file_setattr": (469, 469),
+}
 _MACHINES = {"x86_64": (0, 0xC000003E), "aarch64": (1, 0xC00000B7)}
 # Calls that a process may make for itself or without harm: the argument that must be 0.
 _FOR_ITSELF = {
@@ -81,6 +101,7 @@ _FOR_ITSELF = {
     "setpriority ": ((141, 140), 1),
 }
 _CLONE, _SOCKET, _PAIR, _CONNECT, _MMAP = (56, 220), (41, 198), (53, 199), (42, 203), (9, 222)
+_FCNTL, _SET_LEASE = (72, 25), 1024
 _NEW_NAMESPACES = 0x7E020000
 _AF_UNIX, _STREAM, _SEQUENCE, _TYPE = 1, 1, 5, 0x0F
 _SHARED, _ANONYMOUS, _HUGE = 1, 0x20, 0x40000
@@ -243,12 +264,14 @@ def denying(*, local_only: bool) -> bytes:
         jump(at_least, 0x40000000, 0, 1),  # the x32 way around the numbers below
         refuse,
     ]
-    for name, numbers in _DENIED.items():
+    for name, numbers in (_DENIED | (_DENIED_WITHOUT_MOUNTS if local_only else {})).items():
         error = _ENOSYS if name == "clone3" else _EPERM
         program += [jump(equal, numbers[column], 0, 1), statement(answer, _ERROR | error)]
     for numbers, number in _FOR_ITSELF.values():
         program += of(numbers, argument(number), jump(equal, 0, 1, 0), refuse)
     program += of(_CLONE, argument(0), jump(any_bit, _NEW_NAMESPACES, 0, 1), refuse)
+    # Who leases a file lets all others wait who open it; its owner may.
+    program += of(_FCNTL, argument(1), jump(equal, _SET_LEASE, 0, 1), refuse)
     # Memory that is shared but in no file belongs to nobody, once its pages are let go.
     shared = [statement(keep, _ANONYMOUS | _SHARED), jump(equal, _ANONYMOUS | _SHARED, 0, 1)]
     huge = [argument(3), jump(any_bit, _HUGE, 0, 1), refuse]

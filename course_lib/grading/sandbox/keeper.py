@@ -61,7 +61,8 @@ def start(request: dict[str, Any], descriptors: list[int], answer: socket.socket
     if request["sandbox"] == "bubblewrap":
         _bury(pid)
     else:
-        _guard(answer, _forks(asked, limits))
+        folders = (request["work"], request["home"])
+        _guard(answer, _forks(asked, limits, folders))
 
 
 def _into_container(pidfd: int, uid: int | None) -> None:
@@ -156,10 +157,10 @@ def _ask(asking: socket.socket) -> None:
         os.close(listener)
 
 
-def _forks(asked: socket.socket, limits: Limits) -> forks.Forks | None:
+def _forks(asked: socket.socket, limits: Limits, folders: tuple[str, ...]) -> forks.Forks | None:
     with asked:
         _, listeners, _, _ = socket.recv_fds(asked, 1, 1)
-    return forks.Forks(listeners[0], limits.processes) if listeners else None
+    return forks.Forks(listeners[0], limits.processes, folders) if listeners else None
 
 
 def _bury(pid: int) -> None:
