@@ -21,7 +21,7 @@ PACKAGE_FOLDER, HOME_FOLDER = "$(find unit4)", "$(env HOME)"
 _MOST_BYTES = 200_000
 _MOST_DEPTH = 20
 _MOST_TEXT = 2000  # of a value: arguments made of arguments could double at every step
-_SUBSTITUTION = re.compile(r"\$\((\w+)([^()]*)\)")
+_SUBSTITUTION = re.compile(r"\$\((\w++)([^()]*+)\)")
 
 
 class LaunchError(ValueError):

@@ -263,7 +263,7 @@ class Package:
         found: set[str] = set()
         for name in self._files:
             if name.endswith(".py"):
-                pattern = r"^\s*(?:from|import)\s+([a-z_0-9]+)"
+                pattern = r"^[ \t]*+(?:from|import)[ \t]++([a-z_0-9]+)"  # linear in its length
                 found |= set(re.findall(pattern, self._text(name), re.MULTILINE))
         return found
 

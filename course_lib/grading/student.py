@@ -267,7 +267,7 @@ class Student:
                 counts={clean(str(n), 100): int(c) for n, c in found["counts"].items()},
                 types={clean(str(n), 100): clean(str(t), 100) for n, t in found["types"].items()},
                 unstamped=frozenset(clean(str(n), 100) for n in found["unstamped"]),
-                files={clean(str(n), 200): bytes(data) for n, data in found["files"].items()},
+                files={clean(str(n), 200): _bytes(data) for n, data in found["files"].items()},
                 error=clean(found["error"]) if isinstance(found["error"], str) else None,
                 log=clean(str(found["log"])),
             )
@@ -332,6 +332,12 @@ def _pairs(found: object) -> list[tuple[str, tuple[bytes, bool]]]:
         for name, value in found.items()
         if isinstance(value, tuple) and len(value) == 2 and isinstance(value[0], bytes)
     ]
+
+
+def _bytes(found: object) -> bytes:
+    if not isinstance(found, bytes):  # of a number, `bytes` would make as many
+        raise TypeError("not a file's content")
+    return found
 
 
 def _messages(found: object) -> list[tuple[int, Any]]:

@@ -189,11 +189,14 @@ class _Decoder:
             raise BadDataError("too many bytes")
         self._buffers = buffers
         self._nodes = 0
+        self._bytes = 0  # of what was read, as often as it was: a buffer may be named many times
 
     def node(self, tree: Tree, depth: int) -> Any:  # noqa: ANN401
         self._nodes += 1
         if self._nodes > MOST_NODES or depth > MOST_DEPTH:
             raise BadDataError("too many parts")
+        if isinstance(tree, int) and abs(tree) >= 2**63:
+            raise BadDataError("a number that no array could hold")
         if tree is None or isinstance(tree, bool | int | float):
             return tree
         if isinstance(tree, str):
@@ -217,7 +220,11 @@ class _Decoder:
         number = tree["b"]
         if type(number) is not int or not 0 <= number < len(self._buffers):
             raise BadDataError("no such buffer")
-        return memoryview(self._buffers[number]).cast("B")
+        data = memoryview(self._buffers[number]).cast("B")
+        self._bytes += len(data)
+        if self._bytes > MOST_BYTES:
+            raise BadDataError("too many bytes")
+        return data
 
     def _items(self, tree: Mapping[str, Any], depth: int) -> list[Any]:
         if not isinstance(tree["v"], list):

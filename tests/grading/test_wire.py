@@ -146,12 +146,23 @@ def test_what_a_stranger_makes_up_is_a_value_or_refused(tree: object, buffers: l
         {"t": "keypoints", "b": 0},
         {"t": "dict", "v": [[{"t": "list", "v": []}, 1]]},
         {"t": "__reduce__", "v": "os.system"},
+        {"t": "list", "v": [2**63]},
+        {"t": "tuple", "v": [-(10**400)]},
         {"no": "type"},
     ],
 )
 def test_forged_descriptions_are_refused(tree: object) -> None:
     with pytest.raises(wire.BadDataError):
         wire.decode(tree, [b"12345678"])
+
+
+def test_a_buffer_named_many_times_counts_many_times() -> None:
+    data = bytes(wire.MOST_BYTES // 4)
+    tree = {"t": "array", "d": "uint8", "s": [len(data)], "b": 0}
+    assert len(wire.decode({"t": "list", "v": [tree] * 4}, [data])) == 4
+    for forged in (tree, {"t": "bytes", "b": 0}):
+        with pytest.raises(wire.BadDataError, match="too many bytes"):
+            wire.decode({"t": "list", "v": [forged] * 5}, [data])
 
 
 def test_forged_truth_values_are_true_or_false() -> None:

@@ -172,7 +172,8 @@ def _done(source: str) -> int:
     """Count the exercises' functions in a cell that are more than a stub."""
     wanted = {name for names in FUNCTIONS.values() for name in names}
     try:
-        nodes = ast.parse(re.sub(r"^\s*[%!].*$", "", source, flags=re.MULTILINE)).body
+        # Blanks, not `\s`: from each of many empty lines a search would run over all that follow.
+        nodes = ast.parse(re.sub(r"^[ \t]*[%!].*$", "", source, flags=re.MULTILINE)).body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return 0
     functions = [
