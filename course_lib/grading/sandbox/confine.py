@@ -102,7 +102,7 @@ _FOR_ITSELF = {
 }
 _CLONE, _SOCKET, _PAIR, _CONNECT, _MMAP = (56, 220), (41, 198), (53, 199), (42, 203), (9, 222)
 _FCNTL, _SET_LEASE = (72, 25), 1024
-_NEW_NAMESPACES = 0x7E020000
+_NEW_NAMESPACES, _ANOTHERS_CHILD = 0x7E020000, 0x8000
 _AF_UNIX, _STREAM, _SEQUENCE, _TYPE = 1, 1, 5, 0x0F
 _SHARED, _ANONYMOUS, _HUGE = 1, 0x20, 0x40000
 _ALLOW, _ERROR, _KILL = 0x7FFF0000, 0x00050000, 0x80000000
@@ -269,7 +269,9 @@ def denying(*, local_only: bool) -> bytes:
         program += [jump(equal, numbers[column], 0, 1), statement(answer, _ERROR | error)]
     for numbers, number in _FOR_ITSELF.values():
         program += of(numbers, argument(number), jump(equal, 0, 1, 0), refuse)
-    program += of(_CLONE, argument(0), jump(any_bit, _NEW_NAMESPACES, 0, 1), refuse)
+    # Who is given to the parent as its child is no descendant, and would be watched by nobody.
+    refused = _NEW_NAMESPACES | _ANOTHERS_CHILD
+    program += of(_CLONE, argument(0), jump(any_bit, refused, 0, 1), refuse)
     # Who leases a file lets all others wait who open it; its owner may.
     program += of(_FCNTL, argument(1), jump(equal, _SET_LEASE, 0, 1), refuse)
     # Memory that is shared but in no file belongs to nobody, once its pages are let go.
