@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import time
 from functools import reduce
 from pathlib import Path
@@ -12,10 +11,11 @@ from typing import TYPE_CHECKING, Any
 import cv2
 import numpy as np
 
+from course_lib.grading.on_ros import run_on_ros
 from course_lib.offline_ros import NodeError, OfflineRosError, run_node
 from course_lib.offline_ros.messages import message_class
 from course_lib.offline_ros.recorder import Recorder
-from course_lib.real_ros import RosError, run_launch
+from course_lib.real_ros import RosError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -81,10 +81,8 @@ def run(
         recording: Recording | None
         try:
             if ros:
-                node = Path(path)
-                launch = _launch_file(node, Path(folder), named=bool(params or remap))
-                recording = run_launch(
-                    _package(node), launch, bag=bag, keep_going=True, timeout=timeout, home="."
+                recording = run_on_ros(
+                    Path(path), Path(folder), bag, _with_folders(params), remap, timeout
                 )
             else:
                 recording = run_node(
@@ -111,31 +109,6 @@ def run(
         "error": error and error[-_MOST_LOG:],
         "log": recording.output[-_MOST_LOG:] if recording else "",
     }
-
-
-def _package(node: Path) -> Path:
-    return Path.cwd() / node.parts[0]
-
-
-def _launch_file(node: Path, folder: Path, *, named: bool) -> Path:
-    """Give the launch file that starts a node on real ROS.
-
-    The student's own, if what it names is asked for, or if it names nothing; else one that starts
-    the node by itself, be it executable or not: that has points of its own.
-    """
-    package = _package(node)
-    own = package / "launch" / f"{node.stem}.launch"
-    text = own.read_text(errors="replace") if own.is_file() else "<param"
-    if named or not any(tag in text for tag in ("<param", "<rosparam", "<remap")):
-        return own
-    manifest = (package / "package.xml").read_text(errors="replace")
-    found = re.search(r"<name>\s*([\w-]+)\s*</name>", manifest)
-    name = found[1] if found else package.name
-    line = f'<node pkg="{name}" type="{node.name}" name="{node.stem}" output="screen"/>'
-    node.chmod(0o755)
-    bare = folder / own.name
-    bare.write_text(f"<launch>{line}</launch>")
-    return bare
 
 
 def _with_folders(params: dict[str, Any]) -> dict[str, Any]:

@@ -260,7 +260,7 @@ class Student:
             "timeout": timeout,
             "ros": self._ros,
         }
-        found = self._request(path, "run_node", arguments, timeout + 10)
+        found = self._request(path, "run_node", arguments, timeout * (1 + self._ros) + 10)
         try:
             return NodeRun(
                 topics={clean(str(n), 100): _messages(m) for n, m in found["topics"].items()},

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import socket
 import xmlrpc.client
@@ -60,6 +61,7 @@ class Ros:
         if self._home:
             self.environment["HOME"] = str(self.home)
         self.environment["ROS_LOG_DIR"] = str(Path(self._folder.name, "log"))
+        self._call_it_python()
         try:
             core = self.start("roscore", "-p", str(port))
             # The collector of log lines is the last that roscore starts.
@@ -70,6 +72,18 @@ class Ros:
             self.close()
             raise
         return self
+
+    def _call_it_python(self) -> None:
+        """Let `#!/usr/bin/env python` mean Debian's Python, whose only name is python3.
+
+        Else that line would find the caller's own environment, which has no rospy.
+        """
+        if shutil.which("python", path="/usr/bin:/bin"):
+            return
+        programs = Path(self._folder.name, "bin")
+        programs.mkdir()
+        (programs / "python").symlink_to("/usr/bin/python3")
+        self.environment["PATH"] = f"{programs}{os.pathsep}{self.environment['PATH']}"
 
     def nodes_on(self, topic: str) -> tuple[list[str], list[str]]:
         """Ask the master who publishes on a topic, and who subscribes to it.

@@ -197,3 +197,7 @@ def test_masters_do_not_see_each_other(ros: Ros) -> None:
         with pytest.raises(RosError, match="not set"):
             ros.run("rosparam", "get", "/mine")
     assert not any(name in os.environ for name in ("ROS_MASTER_URI", "ROS_HOME"))
+
+
+def test_a_node_for_python_finds_debians(ros: Ros) -> None:
+    assert "3.11" in ros.run("env", "python", "-c", "import rospy, sys; print(sys.version)")

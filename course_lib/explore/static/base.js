@@ -21,7 +21,7 @@ function backdrop(bitmap, width, height) {
     const columns = Math.round(width * pixelRatio);
     if (copy?.width !== columns) {
       copy = new OffscreenCanvas(columns, Math.round(height * pixelRatio));
-      const pen = copy.getContext("2d");
+      const pen = copy.getContext("2d", { alpha: false });
       pen.imageSmoothingQuality = "high";
       pen.drawImage(bitmap, 0, 0, copy.width, copy.height);
     }
@@ -50,6 +50,15 @@ async function quieten(model) {
   }
 }
 
+/** The colour that shows behind an element. */
+function behind(el) {
+  for (let e = el; e; e = e.parentElement) {
+    const colour = getComputedStyle(e).backgroundColor;
+    if (!/^(transparent|rgba\(.*, 0\))$/.test(colour)) return colour;
+  }
+  return "Canvas"; // the page's own, by the browser's account
+}
+
 /** Colours of the page's theme, for what is drawn on the page's own background. */
 function themeOf(el) {
   const style = getComputedStyle(el);
@@ -58,6 +67,7 @@ function themeOf(el) {
   return {
     dark,
     ink: style.color,
+    page: behind(el),
     faint: dark ? "#7d8590" : "#8a939d",
     panel: dark ? "#20262d" : "#f1f3f5",
     good: dark ? "#4ade80" : "#15803d",
@@ -91,7 +101,9 @@ function createStage({ model, el }, paint, { lines = 1, focusable = false } = {}
   readout.style.height = `${1.4 * lines}em`;
   el.append(canvas, readout);
 
-  const context = canvas.getContext("2d");
+  // Opaque, so that the browser need not draw what is below: half the work of showing a frame where
+  // no graphics card does it.
+  const context = canvas.getContext("2d", { alpha: false });
   let theme = null;
   let pending = 0;
 
@@ -127,6 +139,11 @@ function createStage({ model, el }, paint, { lines = 1, focusable = false } = {}
     width,
     height,
     redraw,
+    /** Give a part of the canvas, or all of it, the colour of the page around it. */
+    wipe(x = 0, y = 0, wide = width, high = height) {
+      context.fillStyle = theme.page;
+      context.fillRect(x, y, wide, high);
+    },
     /** Repaint whenever one of these traits changes. */
     follow(...names) {
       for (const name of names) {

@@ -102,7 +102,7 @@ async function render({ model, el }) {
     const [p, q] = [model.get("first"), model.get("second")];
     const values = [patchOf(0, p - 1), patchOf(1, q - 1)];
     const [a, b] = values.map((v) => bitsOf(v, count));
-    context.clearRect(0, 0, stage.width, stage.height);
+    stage.wipe();
     paintMap(context, pixelRatio, theme);
     paintPatch(context, mapWidth + gap, values[0], a, A);
     paintPatch(context, mapWidth + gap * 2 + panel, values[1], b, B);

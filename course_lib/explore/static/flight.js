@@ -71,7 +71,7 @@ async function render({ model, el }) {
     const count = model.get("count");
     const cell = position * counts.length + count;
     const fault = faults[position][count];
-    context.clearRect(0, 0, stage.width, stage.height);
+    stage.wipe();
     context.drawImage(bitmaps[position], 0, 0, frameWidth, frameHeight);
     context.save();
     context.beginPath();

@@ -124,7 +124,7 @@ async function render({ model, el }) {
       return value === null ? 0 : Number(value > centre + t) - Number(value < centre - t);
     });
     const run = longestRun(signs);
-    context.clearRect(0, 0, stage.width, stage.height);
+    stage.wipe();
     paintMap(context, pixelRatio, x, y);
     context.save();
     context.translate(mapWidth + GAP, 0);

@@ -53,9 +53,9 @@ async function render({ model, el }) {
     drawPictures(context, pixelRatio);
     context.save();
     context.scale(page, page);
-    // Beside the lower picture the page shows through, be it light or dark.
-    context.clearRect(0, heights[0], shift, bitmap.height);
-    context.clearRect(shift, heights[1], width - shift, bitmap.height);
+    // Beside the lower picture is the page's colour, be it light or dark.
+    stage.wipe(0, heights[0], shift, bitmap.height);
+    stage.wipe(shift, heights[1], width - shift, bitmap.height);
     context.lineWidth = 0.9 / page;
     strokeMatches(context, state, false);
     strokeMatches(context, state, true);
