@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
     from course_lib._validate import Image
 
+    Box = tuple[int, int, int, int]
+
 # Pixels; lines and circles hardly show at this size, and the search is quick. A wide figure with
 # several axes stays larger.
 _LONG_SIDE, _SHORT_SIDE, _LONGEST = 144, 96, 300
@@ -24,8 +26,8 @@ _LEAST_SIDE = 20
 # Of correlations: pictures under hundreds of circles or lines reach 0.7 and more, others 0.6.
 _FOUND = 0.64
 # Large circles with dark rims hide so much that correlation is lost. But where a picture is all
-# there is, up to white margins, its place is known: then it is enough that this share of its pixels
-# is as it was, to so many grey levels. Other pictures reach 0.2.
+# there is, up to white margins, or has axes of its own, its place is known: then it is enough that
+# this share of its pixels is as it was, to so many grey levels. Other pictures reach 0.2.
 _UNTOUCHED, _SAME = 0.35, 8
 _WHITE = 250
 _PROPORTIONS = 0.04
@@ -47,12 +49,14 @@ class Sighting:
         The share of its pixels that something was drawn on.
     """
 
-    box: tuple[int, int, int, int]
+    box: Box
     likeness: float
     drawn: float
 
 
-def sightings(picture: Image, wanted: Image, most: int = 2) -> list[Sighting]:
+def sightings(
+    picture: Image, wanted: Image, most: int = 2, places: Sequence[Box] = ()
+) -> list[Sighting]:
     """Find a picture inside another, upright and in its own proportions.
 
     Parameters
@@ -63,6 +67,8 @@ def sightings(picture: Image, wanted: Image, most: int = 2) -> list[Sighting]:
         What to look for.
     most : int
         How many places to give, such as the axes of one figure.
+    places : sequence of (left, top, right, bottom), optional
+        What may hold a picture each, as :func:`published_flight.photo_boxes` gives it.
 
     Returns
     -------
@@ -75,11 +81,13 @@ def sightings(picture: Image, wanted: Image, most: int = 2) -> list[Sighting]:
     short, long = sorted(picture.shape[:2])
     shrink = min(1.0, max(_LONG_SIDE / long, min(_SHORT_SIDE / short, _LONGEST / long)))
     small = _grey(picture, shrink)
-    whole = _within_margins(picture)
-    untouched = _untouched(picture, whole, wanted)
-    if untouched >= _UNTOUCHED:
-        found.append(Sighting(whole, untouched, drawn_share(picture, whole, wanted)))
-        small[:] = 255
+    for place in (_within_margins(picture), *places):
+        untouched = _untouched(picture, place, wanted)
+        known = any(_meet(place, one.box) for one in found)
+        if len(found) < most and untouched >= _UNTOUCHED and not known:
+            found.append(Sighting(place, untouched, drawn_share(picture, place, wanted)))
+            left, top, right, bottom = (round(side * shrink) for side in place)
+            small[top:bottom, left:right] = 255
     fitting = min(small.shape[0] / wanted.shape[0], small.shape[1] / wanted.shape[1])
     while len(found) < most:
         _, best = max(_scored(small, wanted, fitting * _SCALES), default=(0.0, 0.0))
@@ -97,7 +105,11 @@ def sightings(picture: Image, wanted: Image, most: int = 2) -> list[Sighting]:
     return found
 
 
-def _within_margins(picture: Image) -> tuple[int, int, int, int]:
+def _meet(a: Box, b: Box) -> bool:
+    return max(a[0], b[0]) < min(a[2], b[2]) and max(a[1], b[1]) < min(a[3], b[3])
+
+
+def _within_margins(picture: Image) -> Box:
     """Return the box of what white margins, with or without an axis' numbers, surround."""
     ink = (picture < _WHITE).any(axis=2)
     spans = []
@@ -108,7 +120,7 @@ def _within_margins(picture: Image) -> tuple[int, int, int, int]:
     return left, top, right, bottom
 
 
-def _untouched(picture: Image, box: tuple[int, int, int, int], wanted: Image) -> float:
+def _untouched(picture: Image, box: Box, wanted: Image) -> float:
     """Return the share of a box that is as wanted; 0 for other proportions."""
     left, top, right, bottom = box
     width, height = right - left, bottom - top
@@ -141,7 +153,7 @@ def _grey(picture: Image, scale: float) -> Image:
     return np.asarray(cv2.resize(grey, size, interpolation=cv2.INTER_AREA), np.uint8)
 
 
-def drawn_share(picture: Image, box: tuple[int, int, int, int], wanted: Image) -> float:
+def drawn_share(picture: Image, box: Box, wanted: Image) -> float:
     """Return the share of pixels that something was drawn on.
 
     Parameters

@@ -18,6 +18,7 @@ from course_lib.offline_ros.names import parse_value, split_arguments
 
 # Known only where the node runs; what runs it puts the folders there.
 PACKAGE_FOLDER, HOME_FOLDER = "$(find unit4)", "$(env HOME)"
+_FOLDERS = (PACKAGE_FOLDER, HOME_FOLDER)
 _MOST_BYTES = 200_000
 _MOST_DEPTH = 20
 _MOST_TEXT = 2000  # of a value: arguments made of arguments could double at every step
@@ -158,11 +159,7 @@ class _Reader:
             if self._applies(child, scope):
                 self._setting(child, scope, within=True)
         params |= scope.params
-        try:
-            words = shlex.split(self._text(element.get("args", ""), scope, ""))
-        except ValueError:
-            words = []
-        mappings = split_arguments(words)[1]
+        mappings = split_arguments(_words(self._text(element.get("args", ""), scope, "")))[1]
         for left, right in mappings.items():
             if left.startswith("_") and not left.startswith("__"):
                 params[left[1:]] = parse_value(right)
@@ -235,6 +232,19 @@ class _Reader:
         if kind == "anon":
             return words[0]
         raise _UnknownError
+
+
+def _words(text: str) -> list[str]:
+    """Split arguments as a shell does, without splitting the folders' names, which have blanks."""
+    for number, folder in enumerate(_FOLDERS):
+        text = text.replace(folder, f"\0{number}")
+    try:
+        words = shlex.split(text)
+    except ValueError:
+        return []
+    for number, folder in enumerate(_FOLDERS):
+        words = [word.replace(f"\0{number}", folder) for word in words]
+    return words
 
 
 def _joined(outer: str, inner: str) -> str:

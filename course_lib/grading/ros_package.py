@@ -120,7 +120,9 @@ class Package:
             raise FaultError(f"The <node> in {file} has no name.", 0.5)
         if self.path(stem) is None:
             raise FaultError(f"{file} starts {kind}, but there is no such file in src/.", 0.25)
-        named = [*node.remaps.values(), *node.params.values()]
+        # A namespace such as camera/rgb is no topic.
+        remaps = [target for name, target in node.remaps.items() if not name.startswith("__")]
+        named = [*remaps, *node.params.values()]
         for topic in named:
             camera = isinstance(topic, str) and re.match(r"/?camera/", topic)
             if camera and not str(topic).lstrip("/").startswith(TOPIC.lstrip("/")):

@@ -61,6 +61,19 @@ def test_remaps_params_and_namespaces_hold_within_their_group():
     }
 
 
+def test_folders_in_arguments_are_not_split_at_their_blanks():
+    node = only(
+        '<arg name="output" default="$(env HOME)/frame.png"/>'
+        '<node pkg="unit4" type="a.py" name="a" '
+        "args=\"_output:=$(arg output) '_file:=$(find unit4)/a b.png' _n:=3\"/>"
+    )
+    assert node.params == {
+        "output": "$(env HOME)/frame.png",
+        "file": "$(find unit4)/a b.png",
+        "n": 3,
+    }
+
+
 def test_conditions_decide():
     text = '<arg name="on" default="false"/>' + NODE.replace("<node", '<node {}="$(arg on)"')
     assert read_launch(f"<launch>{text.format('if', '')}</launch>".encode()) == []

@@ -14,7 +14,7 @@ from course_lib.drawing import draw_keypoints
 from course_lib.grading.crops import judge_crop
 from course_lib.grading.drawn import sightings
 from course_lib.grading.plots import shows_plot
-from course_lib.grading.published_flight import frame, frames_shown, silhouette
+from course_lib.grading.published_flight import frame, frames_shown, photo_boxes, silhouette
 
 COUNTS = np.arange(4, 1001, 18)
 
@@ -144,3 +144,19 @@ def test_large_keypoints_hide_no_picture(show):
     assert seen.drawn > 0.1
     peppers = images.resize(images.load("peppers.png"), 400, 600)
     assert sightings(show(draw_keypoints(peppers, keypoints)), mug) == []
+
+
+@pytest.mark.parametrize("beside", [outlined(44), outlined(60)])
+def test_keypoints_beside_a_frame_are_seen(beside):
+    """The frame shows the well, too, and more clearly."""
+    crop = frame(60)[90:400, 165:465].copy()
+    keypoints = cv2.SIFT_create(contrastThreshold=0.03).detect(crop)
+    figure = drawn(
+        [image(cv2.drawKeypoints(crop, keypoints, None, (0, 255, 255))), image(beside)], 2
+    )
+    boxes = photo_boxes(figure)
+    (shown,) = frames_shown(figure)
+    alone = [s for s in sightings(figure, crop, places=boxes) if s.box[2] < shown.box[0]]
+    assert [seen.drawn > 0.05 for seen in alone] == [True]
+    other = drawn([image(cv2.drawKeypoints(frame(9)[90:400, 0:300], keypoints, None))], 1)
+    assert sightings(other, crop, places=photo_boxes(other)) == []

@@ -6,6 +6,7 @@ import numpy as np
 
 from course_lib import images
 from course_lib.grading.drawn import largest_set, sightings
+from course_lib.grading.published_flight import photo_boxes
 from course_lib.grading.rubric import points
 from course_lib.grading.student import StudentError
 
@@ -56,8 +57,9 @@ def _as_loaded(student):
 
 def _could_be(picture, mug, scene):
     """Return what each part of a picture could be: keypoints, matches, outline."""
-    mugs = [seen for seen in sightings(picture, mug) if seen.drawn > DRAWN_ON]
-    scenes = sightings(picture, scene)
+    places = photo_boxes(picture)
+    mugs = [m for m in sightings(picture, mug, places=places) if m.drawn > DRAWN_ON]
+    scenes = sightings(picture, scene, places=places)
     # The mug that stands in the scene is not a mug of its own.
     mugs = [one for one in mugs if not any(_middle_inside(one.box, s.box) for s in scenes)]
     scenes = [seen for seen in scenes if seen.drawn > DRAWN_ON]

@@ -6,7 +6,7 @@ import numpy as np
 
 from course_lib.grading.drawn import largest_set, sightings
 from course_lib.grading.plots import shows_plot
-from course_lib.grading.published_flight import frames_shown
+from course_lib.grading.published_flight import frames_shown, photo_boxes
 from course_lib.grading.rubric import points
 from course_lib.grading.waterhole import Waterhole
 
@@ -51,7 +51,7 @@ def _could_be(picture, template):
     # The waterhole that stands in a frame is not a picture of its own.
     alone = [
         seen
-        for seen in sightings(picture, template)
+        for seen in sightings(picture, template, places=photo_boxes(picture))
         if seen.drawn > DRAWN_ON and not any(_middle_inside(seen.box, one.box) for one in frames)
     ]
     parts += [np.array([True, False, False])] * len(alone)

@@ -202,6 +202,32 @@ def test_topic_may_stand_in_the_launch_file(unit4: Path) -> None:
     assert check("4.2", "unit4/src/exercise4_2_1.py", namespace={}).is_right
 
 
+def test_a_namespace_may_stand_for_the_beginning_of_a_topic(unit4: Path) -> None:
+    node = unit4 / "src" / "exercise4_2_2.py"
+    node.write_text(node.read_text().replace('"/waterhole/', '"'))
+    assert row(check("4.2", namespace={}), "unit4/src/exercise4_2_2.py").verdict is Verdict.WRONG
+    launch = unit4 / "launch" / "exercise4_2_2.launch"
+    inside = launch.read_text().replace("<launch>", '<launch><group ns="waterhole">')
+    launch.write_text(inside.replace("</launch>", "</group></launch>"))
+    assert row(check("4.2", namespace={}), "unit4/src/exercise4_2_2.py").verdict is Verdict.RIGHT
+
+
+def test_cmake_cares_neither_for_case_nor_for_white_space(unit4: Path) -> None:
+    text = "PROJECT(unit4)\nfind_package(\n  catkin REQUIRED\n)\ncatkin_package ( )\n"
+    (unit4 / "CMakeLists.txt").write_text(text)
+    assert row(check("4.2", namespace={}), "unit4/CMakeLists.txt").verdict is Verdict.RIGHT
+    (unit4 / "CMakeLists.txt").write_text(text.replace("catkin_package", "# catkin_package"))
+    assert "catkin_package(" in row(check("4.2", namespace={}), "unit4/CMakeLists.txt").help
+
+
+def test_type_may_be_an_argument(unit4: Path) -> None:
+    launch = unit4 / "launch" / "exercise4_2_2.launch"
+    launch.write_text(launch.read_text().replace("exercise4_2_2.py", "$(arg node).py"))
+    assert row(check("4.2", namespace={}), "unit4/launch/exercise4_2_2.launch").verdict is (
+        Verdict.RIGHT
+    )
+
+
 def test_strange_files_are_told_and_not_raised(unit4: Path) -> None:
     (unit4 / "package.xml").write_bytes(b"\xff\xfe\x00\x01")
     (unit4 / "CMakeLists.txt").write_text("x" * 2_000_000)

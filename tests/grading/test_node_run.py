@@ -1,0 +1,47 @@
+"""What a student's node saved is found wherever the exercise lets it save."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import pytest
+
+from course_lib.grading import node_run
+
+TOPIC = "/camera/rgb/image_raw"
+NODE = f"""#!/usr/bin/env python3
+import os
+import cv2
+import rospy
+from cv_bridge import CvBridge
+from sensor_msgs.msg import Image
+
+rospy.init_node("takes")
+picture = CvBridge().imgmsg_to_cv2(rospy.wait_for_message("{TOPIC}", Image), "bgr8")
+cv2.imwrite(os.path.expanduser(rospy.get_param("~output")), picture)
+"""
+
+
+@pytest.mark.parametrize(
+    "output", ["~/well.png", "well.png", "$(env HOME)/well.png", "$(find unit4)/well.png", "TMP"]
+)
+def test_a_picture_is_found_where_it_was_saved(tmp_path, monkeypatch, output):
+    home, work, tmp = (tmp_path / name for name in ("home", "home/work", "tmp"))
+    (work / "unit4").mkdir(parents=True)
+    tmp.mkdir()
+    monkeypatch.chdir(work)
+    monkeypatch.setenv("HOME", str(home))
+    monkeypatch.setattr(node_run, "gettempdir", lambda: str(tmp))
+    (home / "old.png").write_bytes(b"what was not saved by the node")
+    (home / "linked.png").symlink_to(home / "old.png")
+    (work / "unit4" / "takes.py").write_text(NODE)
+    frame = cv2.imencode(".jpg", np.full((48, 64, 3), (200, 90, 20), np.uint8))[1].tobytes()
+    monkeypatch.setattr(node_run.time, "time", lambda: (home / "old.png").stat().st_mtime + 1.5)
+    output = output.replace("TMP", f"{tmp}/well.png")
+    ran = node_run.run(
+        "unit4/takes.py", [10**18], [frame], TOPIC, {"output": output}, {}, timeout=60
+    )
+    assert ran["error"] is None
+    assert len(ran["files"]) == 1, ran["files"].keys()
+    saved = cv2.imdecode(np.frombuffer(next(iter(ran["files"].values())), np.uint8), 1)
+    assert saved.shape == (48, 64, 3)
