@@ -69,11 +69,19 @@ class Channel:
             self._poller.register(socket, zmq.POLLIN)
 
     def send(self, kind: str, content: Message, buffers: Sequence[bytes] = ()) -> str:
-        """Send a request on the shell channel and give its message id."""
+        """Send a request on the shell channel and give its message id.
+
+        Raises
+        ------
+        KernelGoneError
+            When the kernel has closed its end, though its process may live on.
+        """
         session = self._client.session
         message = session.msg(kind, content)
-        with suppress(zmq.Again):
+        try:
             session.send(self._shell, message, buffers=list(buffers))
+        except zmq.Again:
+            self._end("hung up on the grader")
         return str(message["header"]["msg_id"])
 
     def reply(self, message_id: str, kind: str, deadline: float) -> Message:

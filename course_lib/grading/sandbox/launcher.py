@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 _READY_SECONDS = 30.0
 _MOST_MESSAGE = 96 * 2**20  # bytes; a message above ends the connection
+_SEND_MILLISECONDS = 1000  # nobody may be there any more to whom it could be sent
 _FIRST_UID, _UIDS = 61184, 2000  # above what systems give to people, below their nobody
 
 
@@ -150,6 +151,7 @@ class SandboxedKernel:
             (zmq.MAXMSGSIZE, _MOST_MESSAGE),
             (zmq.LINGER, 0),
             (zmq.RECONNECT_IVL, -1),
+            (zmq.SNDTIMEO, _SEND_MILLISECONDS),
         ):
             self._context.setsockopt(option, value)
         self.manager = KernelManager(
