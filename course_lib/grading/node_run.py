@@ -82,7 +82,13 @@ def run(
         try:
             if ros:
                 recording = run_on_ros(
-                    Path(path), Path(folder), bag, _with_folders(params), remap, timeout
+                    Path(path),
+                    Path(folder),
+                    bag,
+                    _with_folders(params),
+                    remap,
+                    timeout,
+                    has_saved=lambda: _saved(started),
                 )
             else:
                 recording = run_node(

@@ -13,7 +13,7 @@ from course_lib.offline_ros import NodeError
 from course_lib.real_ros import RosError, run_launch
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Callable, Iterator, Mapping
 
     from course_lib.offline_ros import Recording
 
@@ -32,6 +32,8 @@ def run_on_ros(
     params: Mapping[str, Any],
     remap: Mapping[str, str],
     timeout: float,
+    *,
+    has_saved: Callable[[], object],
 ) -> Recording:
     """Start a node as its launch file does; if that brings nothing, start it by itself.
 
@@ -51,6 +53,8 @@ def run_on_ros(
         is given, a launch file that sets something is left aside.
     timeout : float
         Seconds for each try.
+    has_saved : callable
+        Tells whether it has saved a picture.
 
     Returns
     -------
@@ -64,7 +68,6 @@ def run_on_ros(
     package = Path.cwd() / node.parts[0]
     own = package / "launch" / f"{node.stem}.launch"
     text = own.read_text(errors="replace") if own.is_file() else ""
-    here = _pictures(package)
     if text and (params or remap or not any(tag in text for tag in _SETS_SOMETHING)):
         try:
             recording = _launch(package, own, bag, timeout)
@@ -74,7 +77,7 @@ def run_on_ros(
         except (RosError, OSError, ValueError):
             pass
         else:
-            if _published(recording) or _pictures(package) != here:
+            if _published(recording) or has_saved():
                 return recording
     with _manifest(package) as name:
         node.chmod(0o755)  # roslaunch finds no other
@@ -89,12 +92,6 @@ def _launch(package: Path, launch: Path, bag: Path, timeout: float) -> Recording
 
 def _published(recording: Recording) -> bool:
     return any(topic != "/rosout" and len(recording[topic]) for topic in recording)
-
-
-def _pictures(package: Path) -> set[tuple[Path, float]]:
-    """List what a node may have saved."""
-    found = [path for path in package.parent.rglob("*") if path.is_file() and path.suffix]
-    return {(path, path.stat().st_mtime) for path in found}
 
 
 @contextmanager
