@@ -58,11 +58,26 @@ def no_check_for_none(package: Path) -> None:
     (package / "src" / "exercise4_2_1.py").chmod(0o644)
 
 
+def nothing_that_roslaunch_can_start(package: Path) -> None:
+    """Leave out a suffix, the first line of a node, its executable bit, and the manifest's end."""
+    launch = package / "launch" / "exercise4_2_1.launch"
+    text = launch.read_text()
+    assert text.count("exercise4_2_1.py") == 1
+    launch.write_text(text.replace("exercise4_2_1.py", "exercise4_2_1"))
+    node = package / "src" / "exercise4_2_2.py"
+    first, _, rest = node.read_text().partition("\n")
+    assert first.startswith("#!")
+    node.write_text(rest)
+    node.chmod(0o644)
+    manifest = package / "package.xml"
+    manifest.write_text(manifest.read_text().replace("</package>", ""))
+
+
 def points(result: SubmissionResult) -> dict[str, float]:
     return {test.number: test.score for test in result.tests}
 
 
-@pytest.mark.parametrize("edit", [nothing, no_check_for_none])
+@pytest.mark.parametrize("edit", [nothing, no_check_for_none, nothing_that_roslaunch_can_start])
 def test_points_are_the_same(
     edit: Callable[[Path], None], launcher: Launcher, tests: Path, tmp_path: Path
 ) -> None:
