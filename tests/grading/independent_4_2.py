@@ -291,7 +291,7 @@ class WaterholeFinder(object):
         self.bridge = CvBridge()
         self.out = rospy.Publisher("image_out", Image, queue_size=1)
         self.corners = rospy.Publisher("corners", PolygonStamped, queue_size=1)
-        self.sub = rospy.Subscriber("image", Image, self.on_image, queue_size=1, buff_size=1 << 24)
+        self.sub = rospy.Subscriber("frames", Image, self.on_image, queue_size=1, buff_size=1 << 24)
 
     def locate(self, frame):
         k, d = self.sift.detectAndCompute(frame, None)
@@ -406,7 +406,8 @@ REMAPPED = """<launch>
   <arg name="camera" default="/camera/rgb/image_raw"/>
   <arg name="count" default="70"/>
   <group ns="waterhole">
-    <remap from="image" to="$(arg camera)"/>
+    <!-- Not "image": rospy would remap /waterhole/image, too, and publish to the camera. -->
+    <remap from="frames" to="$(arg camera)"/>
     <node pkg="unit4" type="exercise4_2_2.py" name="finder" output="screen">
       <remap from="image_out" to="/waterhole/image"/>
       <param name="template" type="str" value="$(find unit4)/well_template.png"/>
