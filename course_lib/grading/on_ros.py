@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import json
 import re
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from xml.sax.saxutils import escape, quoteattr
+from xml.sax.saxutils import quoteattr
 
 from course_lib.offline_ros import NodeError
 from course_lib.real_ros import RosError, run_launch
+from course_lib.real_ros.runner import rosparam
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
@@ -131,10 +131,6 @@ def _launch_text(
         for source, target in remap.items()
         if not source.startswith("__")
     ]
-    # JSON is YAML, and keeps each value's type.
-    lines += [
-        f"<rosparam param={quoteattr(name)}>{escape(json.dumps(value))}</rosparam>"
-        for name, value in params.items()
-    ]
+    lines += [rosparam(name, value) for name, value in params.items()]
     start = " ".join(f"{name}={quoteattr(value)}" for name, value in attributes.items())
     return f"<launch><node {start}>{''.join(lines)}</node></launch>"

@@ -120,14 +120,16 @@ def _with_params(ros: Ros, file: Path, params: Mapping[str, Any], scratch: Path)
     names = [line.strip() for line in listing.output.splitlines() if line.startswith("/")]
     # Of what sets a parameter twice, roslaunch takes the last.
     lines = [f"<include file={quoteattr(str(file))} pass_all_args='true'/>"]
-    lines += [
-        f"<rosparam param={quoteattr(f'{node}/{name}')}>{escape(json.dumps(value))}</rosparam>"
-        for node in names
-        for name, value in params.items()
-    ]
+    lines += [rosparam(f"{node}/{name}", value) for node in names for name, value in params.items()]
     wrapper = scratch / file.name
     wrapper.write_text("\n".join(["<launch>", *lines, "</launch>", ""]))
     return wrapper
+
+
+def rosparam(name: str, value: object) -> str:
+    """Write a launch file's element that sets a parameter, and keeps the value's type."""
+    # JSON is YAML.
+    return f"<rosparam param={quoteattr(name)}>{escape(json.dumps(value))}</rosparam>"
 
 
 def _feed(source: BagSource, player: Program) -> None:
