@@ -102,7 +102,9 @@ def main(args: argparse.Namespace) -> int:
     # Imported late, so that --help is there at once.
     from course_lib.grading.nursery import Nursery  # noqa: PLC0415
 
-    nursery = None if args.scheduler else Nursery()  # it warms up while this process does, too
+    # It warms up while this process does, too.
+    nodes = "4.2" in (args.exercise or EXERCISES)
+    nursery = None if args.scheduler else Nursery(nodes=nodes)
     try:
         return _run(args, nursery)
     finally:

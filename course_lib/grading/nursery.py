@@ -32,9 +32,15 @@ _MOST_MESSAGE = 256
 
 
 class Nursery:
-    """The interpreter as seen from the grader; for one thread."""
+    """The interpreter as seen from the grader; for one thread.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    nodes : bool, optional
+        Whether to import what ROS nodes need, too.
+    """
+
+    def __init__(self, *, nodes: bool = True) -> None:
         self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self._complaints = tempfile.TemporaryFile()  # noqa: SIM115  (closed by `close`)
         self._made = 0
@@ -42,7 +48,7 @@ class Nursery:
         self._statuses: dict[int, int] = {}
         with theirs:
             self._process = subprocess.Popen(  # noqa: S603
-                [sys.executable, "-P", "-m", __name__, str(theirs.fileno())],
+                [sys.executable, "-P", "-m", __name__, str(theirs.fileno()), str(int(nodes))],
                 pass_fds=(theirs.fileno(),),
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
@@ -252,13 +258,14 @@ def _name(name: str) -> None:
 
 
 def main() -> None:
-    """Serve the grader on the socket whose number is the one argument."""
+    """Serve the grader on the socket whose number is the first argument; the second: nodes run."""
     control = socket.socket(fileno=int(sys.argv[1]))
     _name("nursery")
-    importlib.import_module("course_lib.grading.sandbox.zygote").warm_up()
+    importlib.import_module("course_lib.grading.sandbox.zygote").warm_up(nodes=sys.argv[2] == "1")
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     confine.become_subreaper()
     _Ward(control).serve()
+    os._exit(0)  # the grader waits: there is nothing to tidy up in this interpreter
 
 
 if __name__ == "__main__":

@@ -83,7 +83,7 @@ class Pool:
 
     def _add(self) -> None:
         if not self._nurseries or not self._nurseries[-1].is_alive():
-            self._nurseries.append(Nursery())
+            self._nurseries.append(Nursery(nodes="4.2" in self._settings.exercises))
         folder = self._scratch / str(self._made)
         worker = WorkerProcess(self._settings, folder, self._nurseries[-1])
         self._made += 1

@@ -113,7 +113,7 @@ def main() -> int:
         Progress(console=Console(stderr=True), transient=True) as progress,
     ):
         empty = Path(folder) / "empty.ipynb"
-        nbformat.write(new_notebook(cells=[new_code_cell("")]), empty)
+        nbformat.write(new_notebook(cells=[new_code_cell("None")]), empty)
         execute(empty, options.stall)  # the first start reads files from the disk
         bar = progress.add_task("", total=options.repeat * (len(paths) + 1))
         try:
