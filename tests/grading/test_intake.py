@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import nbformat
 import pytest
 from nbformat.v4 import new_code_cell, new_notebook
@@ -41,6 +43,18 @@ def test_a_broken_file_is_told_of_where_it_belongs(tmp_path):
     assert "exercise_4_1.ipynb" not in found.problems["4.2"]
     assert all("homework.ipynb is empty" in problem for problem in found.problems.values())
     assert "exercise_4_1.ipynb could not be read, and nothing else is Exercise 4.1" in found.events
+
+
+@pytest.mark.parametrize(
+    "encoding", ["utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "utf-32", "cp1252"]
+)
+def test_any_usual_encoding_is_read(tmp_path, encoding):
+    (tmp_path / "in").mkdir()
+    cell = new_code_cell("def locate_mug(template, scene, match_count):\n    return 'Tasse grün'")
+    text = json.dumps(new_notebook(cells=[cell]), ensure_ascii=False)
+    (tmp_path / "in" / "exercise_4_1.ipynb").write_bytes(text.encode(encoding))
+    found = stage(Source("student", (tmp_path / "in",)), tmp_path / "staged")
+    assert "Tasse grün" in found.notebooks["4.1"].read_text("utf-8")
 
 
 @pytest.mark.parametrize("name", ["my_homework", "unit_4_1_and_4_2", "exercise_4_1"])
