@@ -26,6 +26,7 @@ _MOST_MESSAGES = 2000  # of a topic
 _MOST_PICTURES = 4  # of a topic, from its beginning: an outlined picture is looked at, not measured
 _MOST_FILES = 8
 _MOST_LOG = 4000
+_TMP = "/tmp"  # noqa: S108
 _PICTURES = frozenset({".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp"})
 
 
@@ -120,11 +121,14 @@ def run(
 def _with_folders(params: dict[str, Any]) -> dict[str, Any]:
     here = str(Path.cwd())
     folders = {"$(find unit4)": f"{here}/unit4", "$(env HOME)": here}
+
+    def placed(text: str) -> str:
+        if text.startswith(f"{_TMP}/"):  # the machine's own may be closed to students
+            text = gettempdir() + text.removeprefix(_TMP)
+        return reduce(lambda text, item: text.replace(*item), folders.items(), text)
+
     return {
-        name: reduce(lambda text, item: text.replace(*item), folders.items(), value)
-        if isinstance(value, str)
-        else value
-        for name, value in params.items()
+        name: placed(value) if isinstance(value, str) else value for name, value in params.items()
     }
 
 
