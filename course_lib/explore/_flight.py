@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 FRAME_WIDTH = 480
 STRIP = 110  # CSS pixels of the plot under the frame
-COUNTS = (4, 8, 12, 16, 22, 30, 40, 58, 76, 100, 150, 1000)
+COUNTS = (4, 12, 22, 40, 58, 100, 150, 1000)
 IN_VIEW = 0.9
 FOUND_BGR, ABSURD_BGR = (94, 197, 34), (68, 68, 239)
 FAR = 30_000.0
