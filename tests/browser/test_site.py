@@ -21,6 +21,8 @@ from course_lib.publish.widgets import CONTROLS
 ROOT = Path(__file__).resolve().parents[2]
 LESSONS = sorted(path.stem for path in (ROOT / "notebooks").glob("*.ipynb"))
 PICTURE = "canvas => canvas.toDataURL()"
+# The first test waits until every notebook has been executed.
+pytestmark = pytest.mark.timeout(900)
 
 
 def export(notebooks: Path, out: Path) -> Path:
