@@ -87,7 +87,8 @@ def test_slider_sets_a_steady_velocity_and_space_stops_it(cockpit: Page) -> None
     cockpit.locator(".noUi-handle").nth(2).focus()
     for _ in range(4):
         cockpit.keyboard.press("ArrowRight")
-    assert "up 0.4" in readout(cockpit)
+    told = cockpit.locator(".fm-readout")
+    expect(told).to_contain_text("up 0.4")
     cockpit.wait_for_function(
         """old => Number(document.querySelector('.fm-readout').textContent
                .match(/([0-9.]+) m up/)[1]) > old + 0.25""",
@@ -96,7 +97,7 @@ def test_slider_sets_a_steady_velocity_and_space_stops_it(cockpit: Page) -> None
     )
     canvas(cockpit).click()
     cockpit.keyboard.press(" ")
-    assert "Command: hover" in readout(cockpit)
+    expect(told).to_contain_text("Command: hover")
     # The slider follows: it is linked, not copied.
     handle = cockpit.locator(".noUi-handle").nth(2)
     assert float(handle.get_attribute("aria-valuetext")) == 0
