@@ -98,17 +98,24 @@ class Pool:
     def _hear(self, worker: WorkerProcess) -> Iterator[Started | Finished]:
         try:
             finished = worker.answer()
-            if finished:
-                yield finished
-            if self._waiting:
-                task = self._waiting.popleft()
-                worker.task = task
-                yield Started(task.student)
-                worker.begin(task)
-            else:
-                self._drop(worker)
         except WorkerLostError as error:
             yield from self._lost(worker, str(error))
+            return
+        lost = ""
+        task = self._waiting.popleft() if self._waiting else None
+        if task:
+            try:
+                worker.begin(task)  # now: it need not wait until the result has been written
+            except WorkerLostError as error:
+                lost = str(error)
+        if finished:
+            yield finished
+        if task:
+            yield Started(task.student)
+        else:
+            self._drop(worker)
+        if lost:
+            yield from self._lost(worker, lost)
 
     def _lost(self, worker: WorkerProcess, reason: str) -> Iterator[Finished]:
         """Replace a worker, and grade again what it was grading."""

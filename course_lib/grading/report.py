@@ -74,6 +74,12 @@ class Advice:
         return sum(test.max_score - test.score for test in self.tests)
 
 
+def prepare() -> None:
+    """Read the pages' templates, which takes a tenth of a second, before there is a result."""
+    for template in ("student.html.j2", "instructor.html.j2", "class.html.j2"):
+        _environment().get_template(template)
+
+
 def write_student(
     result: SubmissionResult,
     folder: Path,
@@ -89,7 +95,7 @@ def write_student(
         ``student_folder(out, result.student)``; it may be handed to the student as it is. The
         instructor's page, with the held-out scenes, goes to ``out/_instructor`` instead.
     code_fingerprint : mapping of str to frozenset of int, optional
-        What `similarity.of_submission` gave; by default ``result.code``.
+        What `similarity.own` made of ``result.code``; by default all of it.
 
     Notes
     -----

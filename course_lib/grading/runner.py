@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
-from course_lib.grading import report
+from course_lib.grading import report, similarity
 from course_lib.grading.fingerprint import Fingerprints
 from course_lib.grading.messages import Finished, Settings, Started, Task
 from course_lib.grading.results import SubmissionResult
@@ -119,6 +119,9 @@ def grade_class(options: Options, backend: Backend, progress: Progress) -> Outco
         page = _ClassPage(options.out)
         try:
             if tasks:
+                # Workers take a second to start; later these would hold up results.
+                report.prepare()
+                similarity.published()
                 _grade(options, tasks, backend, progress, outcome, page)
         finally:
             progress.stop()
@@ -157,7 +160,8 @@ def _write(out: Path, event: Finished) -> Finished:
     result = event.result
     folder = report.student_folder(out, result.student)
     try:
-        report.write_student(result, folder)
+        code = similarity.own(result.code)
+        report.write_student(result, folder, code_fingerprint=code)
     except OSError:  # the disk is full: nobody's result can be written
         raise
     except Exception as error:  # noqa: BLE001

@@ -25,7 +25,7 @@ from course_lib.grading.results import Picture, SubmissionResult, TestResult
 from course_lib.grading.rubric import Grade, GradeFailed
 from course_lib.grading.scratch import working_folder
 from course_lib.grading.seeds import Seeds
-from course_lib.grading.similarity import of_submission, published
+from course_lib.grading.similarity import of_submission
 from course_lib.grading.student import NotSubmittedError, Student, StudentError
 from course_lib.grading.submission import Source, stage
 from course_lib.grading.text import clean
@@ -127,7 +127,6 @@ def warm_up(tests: Path, exercises: tuple[str, ...]) -> None:
         As in `Job`; they are imported.
     exercises : tuple of str
     """
-    published()
     nbformat.validate(nbformat.v4.new_notebook())  # type: ignore[no-untyped-call]
     rubric_of(tests, exercises)
 

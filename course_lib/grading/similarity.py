@@ -88,7 +88,7 @@ def fingerprints(
 def of_submission(
     notebooks: Mapping[str, Path], package: Path | None = None
 ) -> dict[str, frozenset[int]]:
-    """Fingerprint what a submission holds beyond what the course has published.
+    """Fingerprint a submission's code; `own` leaves out what the course has published.
 
     Parameters
     ----------
@@ -100,15 +100,29 @@ def of_submission(
     Returns
     -------
     dict
-        Exercise to fingerprints, as `report.write_student` takes it.
+        Exercise to fingerprints.
     """
-    known = published()
-    found = {name: fingerprints(path, ignore=known) for name, path in notebooks.items()}
+    found = {name: fingerprints(path) for name, path in notebooks.items()}
     if package is not None:
         nodes = sorted(path for path in package.rglob("*.py") if path.is_file())[:20]
-        own = [fingerprints(path, ignore=known) for path in nodes]
-        found["4.2"] = found.get("4.2", frozenset[int]()).union(*own)
+        found["4.2"] = found.get("4.2", frozenset[int]()).union(*map(fingerprints, nodes))
     return found
+
+
+def own(code: Mapping[str, AbstractSet[int]]) -> dict[str, frozenset[int]]:
+    """Leave out of what `of_submission` gave what everybody has.
+
+    Parameters
+    ----------
+    code : mapping of str to set of int
+        Exercise to fingerprints.
+
+    Returns
+    -------
+    dict
+        The same without those of `published`, as `report.write_student` takes it.
+    """
+    return {exercise: frozenset(marks) - published() for exercise, marks in code.items()}
 
 
 @lru_cache(maxsize=1)

@@ -18,6 +18,7 @@ from course_lib.grading.similarity import (
     fingerprints,
     groups,
     of_submission,
+    own,
     pack,
     published,
     unpack,
@@ -96,7 +97,7 @@ def test_the_stub_and_the_lessons_do_not_count(tmp_path):
     package = tmp_path / "unit4"
     package.mkdir()
     (package / "node.py").write_text("\n".join(SOLUTIONS["sift_ratio_magsac"]))
-    found = of_submission({"4.1": notebook}, package)
+    found = own(of_submission({"4.1": notebook}, package))
     assert found["4.1"] == frozenset()
     assert found["4.2"] == fingerprints(package / "node.py", ignore=published())
     assert len(found["4.2"]) >= FEWEST
