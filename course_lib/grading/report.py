@@ -76,8 +76,9 @@ class Advice:
 
 def prepare() -> None:
     """Read the pages' templates, which takes a tenth of a second, before there is a result."""
-    for template in ("student.html.j2", "instructor.html.j2", "class.html.j2"):
-        _environment().get_template(template)
+    environment = _environment()
+    for template in environment.list_templates(extensions=["j2"]):
+        environment.get_template(template)
 
 
 def write_student(

@@ -52,9 +52,7 @@ class Group:
     alike: float
 
 
-def fingerprints(
-    code: Path | Sequence[str], *, ignore: AbstractSet[int] = frozenset()
-) -> frozenset[int]:
+def fingerprints(code: Path | Sequence[str]) -> frozenset[int]:
     """Fingerprint code.
 
     Names of variables, numbers, comments, blanks, imports, docstrings and the order of cells do
@@ -64,13 +62,11 @@ def fingerprints(
     ----------
     code : Path or sequence of str
         A notebook, a Python file, or the code of each cell.
-    ignore : set of int, optional
-        Fingerprints that do not count: those of `published`.
 
     Returns
     -------
     frozenset of int
-        32-bit numbers; none when there is nothing of one's own, or nothing to read.
+        32-bit numbers; none when there is nothing to read.
     """
     cells = _cells(code) if isinstance(code, Path) else code
     marks: set[int] = set()
@@ -82,7 +78,7 @@ def fingerprints(
         if left <= 0:
             break
     # Of too many, the smallest: the same choice in everybody's.
-    return frozenset(sorted(marks - ignore)[:_MOST_MARKS])
+    return frozenset(sorted(marks)[:_MOST_MARKS])
 
 
 def of_submission(

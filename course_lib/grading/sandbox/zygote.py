@@ -12,7 +12,6 @@ container's first process, of four listening sockets and of the working folder.
 
 from __future__ import annotations
 
-import gc
 import importlib
 import json
 import os
@@ -90,17 +89,14 @@ def warm_up(*, nodes: bool = True) -> None:
     nodes : bool, optional
         Whether ROS nodes will run; a kernel that was not prepared for it can do it all the same.
     """
-    gc.disable()  # nothing of this is garbage, and looking for some takes a tenth of the time
-    with lean.without("debugpy"):  # nobody attaches; each kernel would import it anew
-        importlib.import_module("ipykernel.debugger")
-    for name in (*_WARM, _WARM_FOR_NODES) if nodes else _WARM:
-        importlib.import_module(name)
-    # Matplotlib reads the metadata of every installed package to find `inline`, and remembers.
-    backends = importlib.import_module("matplotlib.backends.registry")
-    backends.backend_registry.resolve_gui_or_backend("inline")
-    gc.collect()
-    gc.freeze()  # what is here stays: a collection in a child need not touch, and so copy, it
-    gc.enable()
+    with lean.for_good():
+        with lean.without("debugpy"):  # nobody attaches; each kernel would import it anew
+            importlib.import_module("ipykernel.debugger")
+        for name in (*_WARM, _WARM_FOR_NODES) if nodes else _WARM:
+            importlib.import_module(name)
+        # Matplotlib reads the metadata of every installed package to find `inline`, and remembers.
+        backends = importlib.import_module("matplotlib.backends.registry")
+        backends.backend_registry.resolve_gui_or_backend("inline")
 
 
 def _keep(request: dict[str, Any], descriptors: list[int]) -> None:
