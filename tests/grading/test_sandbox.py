@@ -225,7 +225,8 @@ def test_a_fork_bomb_stays_small(launcher: Launcher, folder: Path) -> None:
     end = time.monotonic() + 5  # who buried the others may be about to end itself
     while len(all_below(os.getpid())) > before and time.monotonic() < end:
         time.sleep(0.01)
-    assert len(all_below(os.getpid())) == before
+    left = all_below(os.getpid())
+    assert len(left) == before, [Path(f"/proc/{each}/stat").read_text() for each in left]
     assert run_after(launcher, folder) == "2"
 
 
