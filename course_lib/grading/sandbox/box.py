@@ -63,7 +63,7 @@ class Box:
         self._uid = uid
         self._ending = threading.Lock()
         self._ended = False
-        self._pid = self._handle = -1
+        self._pid = self._handle = self._keeper = -1
         # The student cannot see this folder: what the grader connects to cannot be exchanged.
         self._sockets = Path(tempfile.mkdtemp(prefix="k-"))
         self.address = str(self._sockets / "s")
@@ -145,10 +145,11 @@ class Box:
 
     def _await_answer(self, answer: socket.socket) -> None:
         answer.settimeout(_START_SECONDS)
-        message, handles, _, _ = socket.recv_fds(answer, 8192, 1)
+        message, handles, _, _ = socket.recv_fds(answer, 8192, 2)
         if not handles:
             raise OSError(message.decode(errors="replace") or "the zygote gave no answer")
-        self._pid, self._handle = int(json.loads(message)["pid"]), handles[0]
+        self._pid = int(json.loads(message)["pid"])
+        self._handle, self._keeper = handles
 
     def _pids(self) -> list[int]:
         if self._pid < 0:
@@ -201,15 +202,19 @@ class Box:
                     self._answer.settimeout(_END_SECONDS)
                     self._answer.recv(1)
                 self._answer.close()
+            if self._keeper >= 0:
+                # It has hung up, and may still be taking down the container's mounts.
+                select.select([self._keeper], [], [], _END_SECONDS)
 
     def close(self) -> None:
         """End, and free every file and socket."""
         self.end()
         if self._watcher.is_alive() and threading.current_thread() is not self._watcher:
             self._watcher.join()
-        if self._handle >= 0:
-            os.close(self._handle)
-            self._handle = -1
+        for handle in (self._handle, self._keeper):
+            if handle >= 0:
+                os.close(handle)
+        self._handle = self._keeper = -1
         if self._container:
             self._container.close()
             self._container = None

@@ -28,7 +28,7 @@ def start(request: dict[str, Any], descriptors: list[int], answer: socket.socket
     descriptors : list of int
         The container's first process (bubblewrap only) and the four listening sockets.
     answer : socket
-        Gets JSON and a descriptor of the kernel's process.
+        Gets JSON, and descriptors of the kernel's process and of this one.
     """
     limits = Limits(**request["limits"])
     if request["sandbox"] == "bubblewrap":
@@ -56,8 +56,10 @@ def start(request: dict[str, Any], descriptors: list[int], answer: socket.socket
     if problem:
         answer.send(problem[-4000:])
         return
-    socket.send_fds(answer, [json.dumps({"pid": pid}).encode()], [handle])
+    mine = os.pidfd_open(os.getpid())
+    socket.send_fds(answer, [json.dumps({"pid": pid}).encode()], [handle, mine])
     os.close(handle)
+    os.close(mine)
     if request["sandbox"] == "bubblewrap":
         _bury(pid)
     else:
@@ -166,7 +168,7 @@ def _forks(asked: socket.socket, limits: Limits, folders: tuple[str, ...]) -> fo
 def _bury(pid: int) -> None:
     """Wait for the kernel's end: only its parent can, and the container ends when all are buried.
 
-    The launcher waits for this process, which holds the socket for the answer.
+    The launcher waits for this process, which takes the container's mounts with it.
     """
     with contextlib.suppress(ChildProcessError):
         os.waitpid(pid, 0)
