@@ -120,6 +120,14 @@ class Names:
                 return self.expand(right)
         return full
 
+    def topic(self, name: str) -> str:
+        """Give the topic that a publisher or subscriber of this name has.
+
+        rospy resolves it twice, once in `Topic` and once in `_TopicImpl`: with `a:=b b:=c` what is
+        published as `a` appears on `c`.
+        """
+        return self.resolve(self.resolve(name))
+
     def private_parameters(self) -> dict[str, Any]:
         """Give the `_param:=value` pairs, by resolved name."""
         return {

@@ -57,7 +57,7 @@ class Subscriber:
         _ = buff_size, tcp_nodelay
         _check_class(data_class)
         runtime = get_runtime()
-        self.name = self.resolved_name = runtime.names.resolve(name)
+        self.name = self.resolved_name = runtime.names.topic(name)
         self.data_class: Any = data_class
         self.type = type_name(data_class)
         self._mine: list[Subscription] = []
@@ -134,7 +134,7 @@ class Publisher:
         _ = subscriber_listener, tcp_nodelay, headers, queue_size
         _check_class(data_class)
         runtime = get_runtime()
-        self.name = self.resolved_name = runtime.names.resolve(name)
+        self.name = self.resolved_name = runtime.names.topic(name)
         self.data_class: Any = data_class
         self.type = type_name(data_class)
         self._latch = latch

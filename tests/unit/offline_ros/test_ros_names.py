@@ -51,3 +51,16 @@ def test_resolving(name: str, full: str) -> None:
 def test_illegal_names(name: str) -> None:
     with pytest.raises(ValueError, match="is not a legal ROS name"):
         Names().resolve(name)
+
+
+@pytest.mark.parametrize(
+    ("mappings", "topic"),
+    [
+        ({}, "/a"),
+        ({"a": "b"}, "/b"),
+        ({"a": "b", "b": "c"}, "/c"),  # as rospy 1.16 has it
+        ({"a": "b", "b": "a"}, "/a"),
+    ],
+)
+def test_a_topic_is_resolved_twice(mappings: dict[str, str], topic: str) -> None:
+    assert Names(mappings).topic("a") == topic
