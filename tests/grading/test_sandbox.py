@@ -213,7 +213,7 @@ def test_a_limit_ends_it_and_is_named(launcher: Launcher, folder: Path, name: st
 
 
 def test_a_fork_bomb_stays_small(launcher: Launcher, folder: Path) -> None:
-    before = all_below(os.getpid())
+    before = set(all_below(os.getpid()))
     with launcher.kernel(folder) as kernel:
         bomb = "import os\nwhile True:\n    try: os.fork()\n    except OSError: pass"
         kernel.client.execute(bomb)
@@ -222,15 +222,15 @@ def test_a_fork_bomb_stays_small(launcher: Launcher, folder: Path) -> None:
             most = max(most, len(all_below(os.getpid())) - len(before))
     assert most > 10, "it went off"
     assert most < 2 * launcher.limits.processes
-    assert all_below(os.getpid()) == before
+    assert set(all_below(os.getpid())) <= before
     assert run_after(launcher, folder) == "2"
 
 
 def test_nothing_is_left_at_once(launcher: Launcher, folder: Path) -> None:
-    before = all_below(os.getpid())
+    before = set(all_below(os.getpid()))
     for _ in range(10):  # who held the mounts used to be there for some milliseconds more
         assert run_after(launcher, folder) == "2"
-        assert all_below(os.getpid()) == before
+        assert set(all_below(os.getpid())) <= before
 
 
 def run_after(launcher: Launcher, folder: Path) -> str:
