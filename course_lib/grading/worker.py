@@ -1,66 +1,38 @@
 """
-A process that grades one submission after the other, each in a child of its own.
+A process that grades one submission after the other, each in a child of its own (`attempt`).
 
-It imports what grading needs once and forks: a child costs a few milliseconds, its memory goes with
-it, and its crash or hang is its own. Whatever a submission leaves behind, processes or files, is
-gone before the next begins. It is forked from the `nursery` with a socket, on which it takes
-`Settings` and then `Task`s, and answers results.
+It imports what grading needs once and forks: a child costs a few milliseconds. Whatever a
+submission leaves behind, processes or files, is gone before the next begins. It is forked from the
+`nursery` with a socket, on which it takes `Settings` and then `Task`s, and answers results.
 """
 
 from __future__ import annotations
 
 import contextlib
-import ctypes
 import importlib
 import os
-import resource
-import select
 import signal
-import socket
 import sys
 import tempfile
 import time
-import traceback
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_lib.grading import framing, lean
-from course_lib.grading.messages import Settings, Task, from_message, to_message
+from course_lib.grading.attempt import AttemptError, HungUpError, attempt, describe, limit_threads
+from course_lib.grading.messages import Settings, Task, to_message
 from course_lib.grading.sandbox import Launcher, confine, processes
 from course_lib.grading.scratch import remove
 from course_lib.grading.unchecked import unchecked
 
 if TYPE_CHECKING:
+    import socket
     from collections.abc import Callable
 
     from course_lib.grading.results import SubmissionResult
 
-_PR_SET_PDEATHSIG = 1
 _CLEAN_SECONDS = 20.0
-_LINGER_SECONDS = 2.0
-_libc = ctypes.CDLL(None, use_errno=True)
-
-
-class HungUpError(Exception):
-    """The grader wants no more of this worker."""
-
-
-class AttemptError(Exception):
-    """A grading child gave no result.
-
-    Attributes
-    ----------
-    again : bool
-        Whether another try may succeed.
-    ours : bool
-        Whether the grader itself failed, as it says.
-    """
-
-    def __init__(self, reason: str, *, again: bool, ours: bool) -> None:
-        super().__init__(reason)
-        self.again = again
-        self.ours = ours
 
 
 class Worker:
@@ -107,7 +79,7 @@ class Worker:
             self._grade = getattr(module, name)
             warm_up = getattr(module, "warm_up", None)
             if warm_up:
-                _limit_threads()
+                limit_threads()
                 warm_up(self._settings.tests, self._settings.exercises)
         if len(list(Path("/proc/self/task").iterdir())) > 1:
             raise RuntimeError(
@@ -182,68 +154,13 @@ class Worker:
         try:
             self._start_launcher().await_ready()
         except Exception as error:
-            raise AttemptError(_describe(error), again=True, ours=True) from error
+            raise AttemptError(describe(error), again=True, ours=True) from error
         own = Path(tempfile.mkdtemp(prefix="", dir=self._scratch))
         own.chmod(0o711)  # the students' own user passes through to its working folder
-        mine, theirs = socket.socketpair()
-        me = os.getpid()
-        child = os.fork()
-        if child == 0:
-            self._link.close()
-            mine.close()
-            _be_child(theirs, make, own, me, self._settings.own_bytes)
-        theirs.close()
-        handle = os.pidfd_open(child)
         try:
-            with mine:
-                data = self._await(mine, handle)
-            message = framing.unpack(data)
-        except (AttemptError, framing.BrokenMessageError) as error:
-            os.kill(child, signal.SIGKILL)
-            _, status = os.waitpid(child, 0)
-            if isinstance(error, AttemptError):
-                raise
-            how = _ended(status)
-            raise AttemptError(f"the grading process {how}", again=True, ours=False) from error
-        except HungUpError:
-            os.kill(child, signal.SIGKILL)
-            raise
-        else:
-            if select.select([handle], [], [], _LINGER_SECONDS)[0] == []:
-                os.kill(child, signal.SIGKILL)
-            os.waitpid(child, 0)
+            return attempt(make, self._link, own, self._settings)
         finally:
-            os.close(handle)
             self._tidy(own)
-        content, blobs = message
-        if "error" in content:
-            raise AttemptError(str(content["error"]), again=bool(content["again"]), ours=True)
-        from_message(content, blobs)  # what is no result is found here, not in the grader
-        return message
-
-    def _await(self, mine: socket.socket, handle: int) -> bytes:
-        """Read what a child says until it hangs up."""
-        limit = self._settings.limits.wall_s + self._settings.grace_s
-        deadline = time.monotonic() + limit
-        data = bytearray()
-        watched: list[Any] = [mine, handle, self._link]
-        while True:
-            left = deadline - time.monotonic()
-            ready, _, _ = select.select(watched, [], [], max(0.0, left))
-            if self._link in ready:
-                raise HungUpError
-            if mine in ready:
-                chunk = mine.recv(1 << 20)
-                if not chunk:
-                    return bytes(data)
-                data += chunk
-                if len(data) > framing.MOST_BYTES:
-                    raise AttemptError("the result was too large", again=False, ours=False)
-            elif handle in ready:
-                return bytes(data)
-            elif not ready:
-                reason = f"grading took longer than {limit:.0f} s and was stopped"
-                raise AttemptError(reason, again=False, ours=False)
 
     def _tidy(self, own: Path) -> None:
         """End what the child left behind, and delete its files."""
@@ -255,54 +172,8 @@ class Worker:
             self._launcher = None
 
 
-def _be_child(
-    link: socket.socket,
-    make: Callable[[], SubmissionResult],
-    own: Path,
-    parent: int,
-    own_bytes: int,
-) -> None:
-    """Grade, send, end; never returns."""
-    try:
-        _libc.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
-        if os.getppid() != parent:
-            os._exit(1)
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-        resource.setrlimit(resource.RLIMIT_DATA, (own_bytes, own_bytes))
-        tempfile.tempdir = str(own)
-        _limit_threads()
-        try:
-            data = framing.pack(*to_message(make()))
-        except BaseException as error:  # noqa: BLE001  (whatever happens is said)
-            again = not isinstance(error, MemoryError)
-            data = framing.pack({"error": _describe(error), "again": again})
-        link.sendall(data)
-        link.close()
-    finally:
-        os._exit(0)
-
-
-def _limit_threads() -> None:
-    """Keep OpenCV to one thread: a worker for each processor is enough, and threads do not fork."""
-    if "cv2" in sys.modules:
-        sys.modules["cv2"].setNumThreads(1)
-
-
 def _no_grade(*_: object) -> SubmissionResult:
     raise RuntimeError("not prepared")
-
-
-def _describe(error: BaseException) -> str:
-    place = traceback.extract_tb(error.__traceback__)[-1:]
-    where = f" ({Path(place[0].filename).name}, line {place[0].lineno})" if place else ""
-    return f"{type(error).__name__}: {str(error)[:1000]}{where}"
-
-
-def _ended(status: int) -> str:
-    code = os.waitstatus_to_exitcode(status)
-    if code >= 0:
-        return f"ended early, with status {code}"
-    return f"was ended by {signal.Signals(-code).name}"
 
 
 def _end_descendants(keep: int | None) -> None:
@@ -355,7 +226,7 @@ def serve(link: socket.socket, zygote: tuple[int, socket.socket]) -> None:
         worker.serve()
     except Exception as error:  # noqa: BLE001
         with contextlib.suppress(OSError):
-            link.sendall(framing.pack({"error": _describe(error)}))
+            link.sendall(framing.pack({"error": describe(error)}))
     finally:
         if worker:
             worker.close()
