@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import binascii
 import io
+import re
 import shutil
 import time
 from queue import Empty
@@ -20,7 +21,7 @@ from course_lib.grading.student import Cell
 from course_lib.grading.text import clean
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Iterator, Mapping
     from pathlib import Path
 
     from numpy.typing import NDArray
@@ -32,6 +33,7 @@ _MOST_PICTURES = 40
 _MOST_PIXELS = 16_000_000
 _MOST_BASE64 = 12_000_000
 _INTERRUPT_SECONDS = 1.5
+_WITHIN_TEXT = re.compile(r"data:image/(?:png|jpe?g);base64,([A-Za-z0-9+/=]++)")
 
 
 class Notebook:
@@ -192,11 +194,19 @@ class Notebook:
         """Keep how a cell ran and what it drew."""
         self.cells.append(Cell(len(self.cells) + 1, error))
         for output in outputs:
-            data = output.get("data", {})
-            for kind in ("image/png", "image/jpeg"):
-                encoded = data.get(kind)
-                if isinstance(encoded, str) and len(self.pictures) < _MOST_PICTURES:
+            for encoded in _encoded(output.get("data", {})):
+                if len(self.pictures) < _MOST_PICTURES:
                     self.pictures += picture_from(encoded)
+
+
+def _encoded(data: Mapping[str, Any]) -> Iterator[str]:
+    """Give the pictures of an output: those that it is, and those within its HTML or markdown."""
+    for kind in ("image/png", "image/jpeg"):
+        if isinstance(data.get(kind), str):
+            yield data[kind]
+    for kind in ("text/html", "text/markdown"):
+        if isinstance(data.get(kind), str):
+            yield from (match[1] for match in _WITHIN_TEXT.finditer(data[kind]))
 
 
 def picture_from(encoded: str) -> list[NDArray[np.uint8]]:
