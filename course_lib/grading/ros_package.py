@@ -7,7 +7,8 @@ import re
 from typing import TYPE_CHECKING
 
 from course_lib.grading import node_source
-from course_lib.grading.launch_file import LaunchError, LaunchNode, read_launch, read_xml
+from course_lib.grading.launch_file import LaunchNode, read_launch
+from course_lib.grading.launch_xml import LaunchError, read_xml
 
 if TYPE_CHECKING:
     import xml.etree.ElementTree as ET
@@ -26,7 +27,7 @@ _STUB = "Your part:"
 _FOLDERS = ("src/", "scripts/", "nodes/", "")
 _NODE_SECONDS = 40.0
 _CMAKE = ("project(", "find_package(catkin", "catkin_package(")
-_ERROR_LINE = re.compile(r"^\w[\w.]*(?:Error|Exception|Interrupt|error)\b.*", re.MULTILINE)
+_ERROR_LINE = re.compile(r"^\w[\w.]*(?:Error|Exception|Interrupt|error|: error)\b.*", re.MULTILINE)
 
 
 class FaultError(Exception):
@@ -208,7 +209,7 @@ class Package:
         except FaultError:
             node = None  # that file has points of its own
         run = None
-        if node and (node.params or set(node.remaps) - {"__name"}):
+        if node and (node.params or node.arguments or set(node.remaps) - {"__name"}):
             run = self._run(path, frames, node)
         if run is None or not did(run):
             run = self._run(path, frames, None)
@@ -223,6 +224,7 @@ class Package:
             topic=TOPIC,
             params=node.params if node else None,
             remap=node.remaps if node else None,
+            given=node.arguments if node else (),
             timeout=_NODE_SECONDS,
         )
 
@@ -236,7 +238,8 @@ class Package:
         file = f"launch/{stem}.launch"
         self._text(file)
         try:
-            nodes = read_launch(self._files[file].data, self._name())
+            files = {name: each.data for name, each in self._files.items()}
+            nodes = read_launch(files[file], self._name(), files)
         except LaunchError as error:
             raise FaultError(f"{file} {error}.") from None
         if not nodes and _STUB in self._text(file):

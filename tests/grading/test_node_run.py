@@ -22,13 +22,22 @@ from sensor_msgs.msg import Image
 
 rospy.init_node("takes")
 picture = CvBridge().imgmsg_to_cv2(rospy.wait_for_message("{TOPIC}", Image), "bgr8")
-cv2.imwrite(os.path.expanduser(rospy.get_param("~output")), picture)
+output = os.path.expanduser(rospy.get_param("~output"))
+os.makedirs(os.path.dirname(output) or ".", exist_ok=True)
+cv2.imwrite(output, picture)
 """
 
 
 @pytest.mark.parametrize(
     "output",
-    ["~/well.png", "well.png", "$(env HOME)/well.png", "$(find unit4)/well.png", TMP],
+    [
+        "~/well.png",
+        "~/Pictures/drone/well.png",
+        "well.png",
+        "$(env HOME)/well.png",
+        "$(find unit4)/well.png",
+        TMP,
+    ],
 )
 def test_a_picture_is_found_where_it_was_saved(tmp_path, monkeypatch, output):
     home, work, tmp = (tmp_path / name for name in ("home", "home/work", "tmp"))
@@ -43,7 +52,7 @@ def test_a_picture_is_found_where_it_was_saved(tmp_path, monkeypatch, output):
     frame = cv2.imencode(".jpg", np.full((48, 64, 3), (200, 90, 20), np.uint8))[1].tobytes()
     os.utime(home / "old.png", (hour_ago := time.time() - 3600, hour_ago))
     ran = node_run.run(
-        "unit4/takes.py", [10**18], [frame], TOPIC, {"output": output}, {}, timeout=60
+        "unit4/takes.py", [10**18], [frame], TOPIC, {"output": output}, {}, [], timeout=60
     )
     assert ran["error"] is None
     assert len(ran["files"]) == 1, ran["files"].keys()
