@@ -132,7 +132,7 @@ def _with_folders(params: dict[str, Any]) -> dict[str, Any]:
 
 def _placed(text: str) -> str:
     here = str(Path.cwd())
-    if text.startswith(f"{_TMP}/"):  # the machine's own may be closed to students
+    if text == _TMP or text.startswith(f"{_TMP}/"):  # the machine's own may be closed to students
         text = gettempdir() + text.removeprefix(_TMP)
     return text.replace("$(find unit4)", f"{here}/unit4").replace("$(env HOME)", here)
 

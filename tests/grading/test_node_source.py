@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from independent_4_2 import FINDS, TAKES
 
-from course_lib.grading.node_source import cannot_start, meaning, parse, why_silent
+from course_lib.grading.node_source import cannot_start, is_stub, meaning, parse, why_silent
 
 TOPIC = "/camera/rgb/image_raw"
 NODE = FINDS["functions"]
@@ -57,3 +57,28 @@ def test_errors_are_explained_as_a_node_needs_it():
         "TypeError: callback() missing 1 required positional argument: 'msg'"
     )
     assert meaning("RuntimeError: no idea") == ""
+
+
+BASE = """class Finder:
+    def find(self, frame):
+        raise NotImplementedError
+class Orb(Finder):
+    def find(self, frame):
+        return None
+def decode(message):
+    if message.encoding != "bgr8":
+        raise NotImplementedError(message.encoding)
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "stub"),
+    [
+        (BASE, False),
+        ("raise NotImplementedError('MATCH_COUNT = …')", True),
+        ("def f():\n while 1:\n  try:\n   raise NotImplementedError('x')\n  finally: pass", True),
+        ("class Node:\n def find(self):\n  raise NotImplementedError('match')", True),
+    ],
+)
+def test_only_what_is_still_to_be_written_is_a_stub(text, stub):
+    assert is_stub(parse(text)) == stub
