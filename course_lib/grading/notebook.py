@@ -64,6 +64,8 @@ class Notebook:
         What the notebook drew, BGR uint8.
     events : list of str
         Limits that were hit.
+    overdue : bool
+        Whether the last cell took too long and ended only with its kernel.
     """
 
     def __init__(
@@ -72,6 +74,7 @@ class Notebook:
         self.cells: list[Cell] = []
         self.pictures: list[NDArray[np.uint8]] = []
         self.events: list[str] = []
+        self.overdue = False
         self._launcher = launcher
         self._original = original
         self._folder = folder
@@ -138,6 +141,7 @@ class Notebook:
     def begin(self, source: str) -> str:
         """Send a cell for the first time; it counts as bad until its last output is in."""
         self.channel()
+        self.overdue = False
         request = self.send(source)
         self._running = (request, source)
         return request
@@ -172,6 +176,7 @@ class Notebook:
             self._channel.reply(request, "kernel_info_reply", self._soon(_INTERRUPT_SECONDS))
         except (Empty, KernelGoneError):
             self.events.append("ignored an interrupt")
+            self.overdue = True
             self._channel.ended = True
             self._kernel.kill()
 

@@ -15,6 +15,7 @@ from IPython.core import pylabtools
 from matplotlib_inline import backend_inline
 
 from course_lib.grading import agent
+from course_lib.grading.sandbox.semaphores import make_do_without_shared_memory
 
 _PIXELS = {"png", "png2x", "retina", "jpg", "jpeg"}
 
@@ -72,6 +73,7 @@ def run(connection: dict[str, Any], listeners: list[int], *, loopback: bool) -> 
     _draw_as_png_too()
     shell.enable_matplotlib("inline")
     _run_commands_without_terminal(shell)
+    make_do_without_shared_memory()
     agent.install(app)
     app.start()  # type: ignore[no-untyped-call]
 
