@@ -85,6 +85,7 @@ class Notebook:
         self._starts = 0
         self._sources: list[str] = []  # cells that left their kernel alive
         self._running = ("", "")  # request and source
+        self._updates: dict[str, Mapping[str, Any]] = {}  # of displays, the last of each
 
     def seconds_left(self) -> float:
         """Seconds that the submission still has."""
@@ -161,10 +162,19 @@ class Notebook:
             raise KernelGoneError
         message = self._channel.output(self._soon(seconds))
         request, source = self._running
+        self._keep_update(message)
         idle = message["content"].get("execution_state") == "idle"
         if idle and message["parent_header"].get("msg_id") == request:
             self._sources.append(source)
         return message
+
+    def _keep_update(self, message: Message) -> None:
+        """Keep what an output was replaced by; nbval looks at new outputs only."""
+        if message.get("msg_type") == "update_display_data":
+            place = str(message["content"].get("transient"))[:200]
+            data = message["content"].get("data")
+            if isinstance(data, dict) and len({*self._updates, place}) <= _MOST_PICTURES:
+                self._updates[place] = data
 
     def interrupt(self) -> None:
         """Stop what the kernel does; end the kernel if it does not listen."""
@@ -198,8 +208,11 @@ class Notebook:
     def record(self, outputs: Iterable[Mapping[str, Any]], error: str | None) -> None:
         """Keep how a cell ran and what it drew."""
         self.cells.append(Cell(len(self.cells) + 1, error))
-        for output in outputs:
-            for encoded in _encoded(output.get("data", {})):
+        drawn = [output.get("data", {}) for output in outputs]
+        drawn += self._updates.values()
+        self._updates = {}
+        for data in drawn:
+            for encoded in _encoded(data):
                 if len(self.pictures) < _MOST_PICTURES:
                     self.pictures += picture_from(encoded)
 

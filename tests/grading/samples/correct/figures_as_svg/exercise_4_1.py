@@ -5,7 +5,7 @@ import cv2
 import numpy as np
 import matplotlib.pyplot as plt
 import ipywidgets
-from IPython.display import HTML, display
+from IPython.display import HTML, Image, display
 from course_lib import images
 %matplotlib inline
 # %%
@@ -32,10 +32,9 @@ def locate_mug(mug, scene, match_count=100):
 # %%
 mug, scene = load_images()
 k, d = find_keypoints(mug)
-plt.figure(figsize=(5, 7))
-plt.imshow(mug[..., ::-1])
-plt.scatter(*np.array([p.pt for p in k]).T, s=8, c="lime")
-plt.show()
+platz = display(display_id=True)
+for bild in (mug, cv2.drawKeypoints(mug, k, None, color=(0, 255, 0))):
+    platz.update(Image(data=cv2.imencode(".png", bild)[1].tobytes()))
 # %%
 k2, d2 = find_keypoints(scene)
 matches = match_keypoints(d, d2)
