@@ -120,7 +120,8 @@ def run(
         "unstamped": [name for name, first in firsts.items() if first and _unstamped(first[1])],
         "files": _saved(started),
         "error": error and error[-_MOST_LOG:],
-        "log": recording.output[-_MOST_LOG:] if recording else "",
+        # A node that published nothing has an empty recording, and much to say all the same.
+        "log": "" if recording is None else recording.output[-_MOST_LOG:],
     }
 
 

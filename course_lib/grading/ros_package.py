@@ -282,4 +282,7 @@ def what_went_wrong(run: NodeRun) -> str | None:
             last = str(lines[-1])[:300]
             meaning = node_source.meaning(last)
             return f"{last.rstrip('.')}.{meaning}" if meaning else last
-    return (run.error or "").strip().splitlines()[0][:300] if run.error else None
+    first, *others = [line for line in (run.error or "").splitlines() if line.strip()] or [""]
+    # That it crashed is no news; what follows may be, such as sys.exit's status.
+    told = others[0] if others and first.endswith(" crashed") else first
+    return told[:300] or None

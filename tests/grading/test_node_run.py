@@ -58,3 +58,12 @@ def test_a_picture_is_found_where_it_was_saved(tmp_path, monkeypatch, output):
     assert len(ran["files"]) == 1, ran["files"].keys()
     saved = cv2.imdecode(np.frombuffer(next(iter(ran["files"].values())), np.uint8), 1)
     assert saved.shape == (48, 64, 3)
+
+
+def test_what_a_node_said_before_it_published_anything_is_kept(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "says.py").write_text("import sys\nprint('no template')\nsys.exit(2)\n")
+    frame = cv2.imencode(".jpg", np.zeros((48, 64, 3), np.uint8))[1].tobytes()
+    ran = node_run.run("says.py", [10**18], [frame], TOPIC, {}, {}, [], timeout=60)
+    assert "sys.exit(2)" in ran["error"]
+    assert "no template" in ran["log"]
