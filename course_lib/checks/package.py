@@ -113,6 +113,8 @@ def _in_launch_file(node: str, word: str) -> bool:
 def _launch(name: str, node: str, _: Work) -> None:
     tree = _xml(f"launch/{name}", "launch")
     nodes = list(tree.iter("node"))
+    if not nodes and next(tree.iter("include"), None) is not None:
+        return  # roslaunch knows what another file starts
     if not nodes:
         raise WrongError(f"{name} starts no <node>.")
     types = [each.get("type", "") for each in nodes]

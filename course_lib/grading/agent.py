@@ -131,6 +131,7 @@ def _run_node(
     topic: str,
     params: dict[str, object],
     remap: dict[str, str],
+    given: list[str],
     files: dict[str, bytes],
     timeout: float,
     ros: bool,  # noqa: FBT001  (arguments come by name)
@@ -142,4 +143,4 @@ def _run_node(
         target = Path(name)
         target.parent.mkdir(parents=True, exist_ok=True)
         target.write_bytes(data)
-    return node_run.run(path, stamps, frames, topic, params, remap, timeout, ros=ros)
+    return node_run.run(path, stamps, frames, topic, params, remap, given, timeout, ros=ros)

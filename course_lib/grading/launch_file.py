@@ -2,31 +2,39 @@
 Reads a student's launch file: which nodes it starts, and with what. Nothing of it is executed.
 
 Understood is what a launch file of this course may need: nodes, arguments with their defaults,
-parameters, remappings, groups, conditions, and the substitutions of text among them. What cannot be
-known here, such as an argument without a default, leaves out what depends on it.
+parameters, remappings, groups, conditions, other files of the package, and the substitutions of
+text among them. What cannot be known here, such as an argument without a default, leaves out what
+depends on it.
 """
 
 from __future__ import annotations
 
+import posixpath
 import re
-import shlex
-import xml.etree.ElementTree as ET
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
 
+from course_lib.grading.launch_eval import NotUnderstoodError, evaluate
+from course_lib.grading.launch_values import (
+    HOME_FOLDER,
+    PACKAGE_FOLDER,
+    joined,
+    parameter_key,
+    split_words,
+    typed,
+)
+from course_lib.grading.launch_xml import MOST_BYTES, LaunchError, read_xml
 from course_lib.offline_ros.names import parse_value, split_arguments
 
-# Known only where the node runs; what runs it puts the folders there.
-PACKAGE_FOLDER, HOME_FOLDER = "$(find unit4)", "$(env HOME)"
-_FOLDERS = (PACKAGE_FOLDER, HOME_FOLDER)
-_MOST_BYTES = 200_000
+if TYPE_CHECKING:
+    import xml.etree.ElementTree as ET
+    from collections.abc import Mapping
+
 _MOST_DEPTH = 20
+_MOST_INCLUDED = 50
 _MOST_TEXT = 2000  # of a value: arguments made of arguments could double at every step
+_WHOLE_EVAL = re.compile(r"\$\(eval (.*)\)", re.DOTALL)
 _SUBSTITUTION = re.compile(r"\$\((\w++)([^()]*+)\)")
-
-
-class LaunchError(ValueError):
-    """A launch file that cannot be read, worded for its writer."""
 
 
 class _UnknownError(Exception):
@@ -45,6 +53,8 @@ class LaunchNode:
         Its private parameters. Texts may hold `PACKAGE_FOLDER` and `HOME_FOLDER`.
     remaps : dict of str to str
         Names to use in place of others; `__ns` is the namespace, `__name` the name.
+    arguments : tuple of str
+        What else its command line holds. Texts may hold the folders, too.
     """
 
     package: str
@@ -52,6 +62,7 @@ class LaunchNode:
     name: str
     params: dict[str, Any]
     remaps: dict[str, str]
+    arguments: tuple[str, ...] = ()
 
 
 @dataclass
@@ -62,44 +73,18 @@ class _Scope:
     params: dict[str, Any] = field(default_factory=dict)
     remaps: dict[str, str] = field(default_factory=dict)
     namespace: str = ""
+    given: frozenset[str] = frozenset()  # the args that an including file has set
+    folder: str = f"{PACKAGE_FOLDER}/launch"  # of the file
 
     def inner(self) -> _Scope:
-        return _Scope(dict(self.args), dict(self.params), dict(self.remaps), self.namespace)
+        return replace(
+            self, args=dict(self.args), params=dict(self.params), remaps=dict(self.remaps)
+        )
 
 
-def read_xml(data: bytes) -> ET.Element:
-    """Read an XML file that a stranger wrote.
-
-    Parameters
-    ----------
-    data : bytes
-        The file.
-
-    Returns
-    -------
-    xml.etree.ElementTree.Element
-        Its root.
-
-    Raises
-    ------
-    LaunchError
-        Too large, not UTF-8, with a document type (entities could make it grow), not well-formed.
-    """
-    if len(data) > _MOST_BYTES:
-        raise LaunchError("is far too large for what it is")
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise LaunchError("cannot be read as text: save it as UTF-8") from None
-    if "<!DOCTYPE" in text or "<!ENTITY" in text:
-        raise LaunchError("declares a document type or entities, which ROS does not need")
-    try:
-        return ET.fromstring(text)  # noqa: S314  (no entities, limited in size)
-    except (ET.ParseError, ValueError, RecursionError) as error:
-        raise LaunchError(f"is not well-formed XML: {error}") from None
-
-
-def read_launch(data: bytes, package: str = "unit4") -> list[LaunchNode]:
+def read_launch(
+    data: bytes, package: str = "unit4", files: Mapping[str, bytes] | None = None
+) -> list[LaunchNode]:
     """Read which nodes a launch file starts when it is given no arguments.
 
     Parameters
@@ -108,6 +93,8 @@ def read_launch(data: bytes, package: str = "unit4") -> list[LaunchNode]:
         The file.
     package : str
         The name of the package that it belongs to.
+    files : mapping of str to bytes, optional
+        The package's files, which it may include or load.
 
     Returns
     -------
@@ -118,15 +105,21 @@ def read_launch(data: bytes, package: str = "unit4") -> list[LaunchNode]:
     LaunchError
         When it is no launch file.
     """
+    return _Reader(package, files or {}).nodes(_root(data), _Scope({}))
+
+
+def _root(data: bytes) -> ET.Element:
     root = read_xml(data)
     if root.tag != "launch":
         raise LaunchError(f"should begin with <launch>, not <{str(root.tag)[:40]}>")
-    return list(_Reader(package).nodes(root, _Scope({})))
+    return root
 
 
 class _Reader:
-    def __init__(self, package: str) -> None:
+    def __init__(self, package: str, files: Mapping[str, bytes]) -> None:
         self._packages = {"unit4", package}
+        self._files = files
+        self._included = 0
 
     def nodes(self, element: ET.Element, scope: _Scope, depth: int = 0) -> list[LaunchNode]:
         """Return the nodes below an element, in order."""
@@ -138,13 +131,42 @@ class _Reader:
                 continue
             if child.tag == "group":
                 inner = scope.inner()
-                inner.namespace = _joined(scope.namespace, child.get("ns", ""))
+                inner.namespace = joined(scope.namespace, child.get("ns", ""))
                 found += self.nodes(child, inner, depth + 1)
             elif child.tag == "node":
                 found.append(self._node(child, scope.inner()))
+            elif child.tag == "include":
+                found += self._include(child, scope, depth + 1)
             else:
                 self._setting(child, scope)
         return found
+
+    def _include(self, element: ET.Element, scope: _Scope, depth: int) -> list[LaunchNode]:
+        """Return the nodes of another file of the package; of files elsewhere nothing is known."""
+        name, data = self._file(element, scope)
+        self._included += 1
+        if data is None or self._included > _MOST_INCLUDED:
+            return []
+        given = scope.inner()
+        for child in element:
+            if self._applies(child, scope):
+                self._setting(child, given)
+        names = {child.get("name", "") for child in element if child.tag == "arg"}
+        passed = element.get("pass_all_args", "").lower() in {"true", "1"}
+        inner = scope.inner()
+        inner.args = {n: v for n, v in given.args.items() if passed or n in names}
+        inner.given = frozenset(inner.args)
+        inner.namespace = joined(scope.namespace, element.get("ns", ""))
+        inner.folder = posixpath.dirname(name)
+        try:
+            return self.nodes(_root(data), inner, depth)
+        except LaunchError as error:
+            raise LaunchError(f"includes {name}, which {error}") from None
+
+    def _file(self, element: ET.Element, scope: _Scope) -> tuple[str, bytes | None]:
+        """Return the path that an element's attribute `file` gives, and what it holds."""
+        path = posixpath.normpath(self._text(element.get("file", ""), scope, ""))
+        return path, self._files.get(path.removeprefix(f"{PACKAGE_FOLDER}/"))
 
     def _node(self, element: ET.Element, scope: _Scope) -> LaunchNode:
         package, kind, name = (
@@ -159,22 +181,23 @@ class _Reader:
             if self._applies(child, scope):
                 self._setting(child, scope, within=True)
         params |= scope.params
-        mappings = split_arguments(_words(self._text(element.get("args", ""), scope, "")))[1]
+        words = split_words(self._text(element.get("args", ""), scope, ""))
+        arguments, mappings = split_arguments(words)
         for left, right in mappings.items():
             if left.startswith("_") and not left.startswith("__"):
                 params[left[1:]] = parse_value(right)
             elif not left.startswith("__"):
                 scope.remaps[left] = right
-        namespace = _joined(scope.namespace, element.get("ns", ""))
+        namespace = joined(scope.namespace, element.get("ns", ""))
         remaps = scope.remaps | ({"__ns": namespace} if namespace else {})
         if name:
             remaps["__name"] = name
-        return LaunchNode(package, kind, name, params, remaps)
+        return LaunchNode(package, kind, name, params, remaps, tuple(arguments))
 
     def _setting(self, element: ET.Element, scope: _Scope, *, within: bool = False) -> None:
         """Take an argument, a parameter or a remapping into the scope."""
         name = element.get("name", "")
-        if element.tag == "arg" and name:
+        if element.tag == "arg" and name and name not in scope.given:
             value = element.get("value", element.get("default"))
             scope.args[name] = None if value is None else self._text(value, scope)
         elif element.tag == "remap":
@@ -184,14 +207,19 @@ class _Reader:
         elif element.tag == "param" and name and "value" in element.attrib:
             value = self._text(element.get("value", ""), scope)
             if value is not None:
-                scope.params[_key(name, within=within)] = _typed(value, element.get("type", ""))
+                where = parameter_key(name, within=within)
+                scope.params[where] = typed(value, element.get("type", ""))
         elif element.tag == "rosparam" and element.get("command", "load") == "load":
-            text = self._text(element.text or "", scope) or ""
+            data = self._file(element, scope)[1] if "file" in element.attrib else None
+            whole = (data or b"")[:MOST_BYTES].decode("utf-8-sig", "replace")
+            text = whole or self._text(element.text or "", scope) or ""
             loaded = parse_value(text)
             if name:
                 loaded = {name: loaded}
             if isinstance(loaded, dict):
-                scope.params |= {_key(str(key), within=within): loaded[key] for key in loaded}
+                scope.params |= {
+                    parameter_key(str(key), within=within): loaded[key] for key in loaded
+                }
 
     def _applies(self, element: ET.Element, scope: _Scope) -> bool:
         for key, wanted in (("if", True), ("unless", False)):
@@ -203,20 +231,25 @@ class _Reader:
     def _text(self, text: str, scope: _Scope, otherwise: Any = None) -> Any:  # noqa: ANN401
         """Put in what a text's substitutions stand for; what is not known makes it `otherwise`."""
         try:
+            if found := _WHOLE_EVAL.fullmatch(text):
+                return evaluate(found[1], lambda kind, word: self._known(kind, word, scope))
             whole, end = "", 0
             for match in _SUBSTITUTION.finditer(text):
                 whole += text[end : match.start()] + self._value(match, scope)
                 end = match.end()
                 if len(whole) > _MOST_TEXT:
                     return otherwise
-        except _UnknownError:
+        except (_UnknownError, NotUnderstoodError):
             return otherwise
         return whole + text[end:]
 
     def _value(self, match: re.Match[str], scope: _Scope) -> str:
-        kind, words = match[1], match[2].split()
+        return self._known(match[1], match[2], scope)
+
+    def _known(self, kind: str, text: str, scope: _Scope) -> str:
+        words = text.split()
         if kind == "dirname":
-            return f"{PACKAGE_FOLDER}/launch"
+            return scope.folder
         if not words:
             raise _UnknownError
         if kind == "find" and words[0] in self._packages:
@@ -232,47 +265,3 @@ class _Reader:
         if kind == "anon":
             return words[0]
         raise _UnknownError
-
-
-def _words(text: str) -> list[str]:
-    """Split arguments as a shell does, without splitting the folders' names, which have blanks."""
-    for number, folder in enumerate(_FOLDERS):
-        text = text.replace(folder, f"\0{number}")
-    try:
-        words = shlex.split(text)
-    except ValueError:
-        return []
-    for number, folder in enumerate(_FOLDERS):
-        words = [word.replace(f"\0{number}", folder) for word in words]
-    return words
-
-
-def _joined(outer: str, inner: str) -> str:
-    return inner.strip("/") if inner.startswith("/") else f"{outer}/{inner}".strip("/")
-
-
-def _key(name: str, *, within: bool) -> str:
-    """Return a parameter's name: private ones bare, others from the root."""
-    if within or name.startswith("~"):
-        return name.lstrip("~/")
-    return "/" + name.lstrip("/")
-
-
-def _typed(value: str, kind: str) -> Any:  # noqa: ANN401
-    """Turn a parameter's text into what roslaunch makes of it."""
-    if kind in {"str", "string"}:
-        return value
-    if kind == "yaml":
-        return parse_value(value)
-    if kind in {"", "auto", "int"}:
-        try:
-            return int(value)
-        except ValueError:
-            pass
-    if kind in {"", "auto", "int", "double"}:
-        try:
-            return float(value)
-        except ValueError:
-            pass
-    lowered = value.strip().lower()
-    return lowered == "true" if lowered in {"true", "false"} else value

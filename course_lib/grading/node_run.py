@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from functools import reduce
 from pathlib import Path
 from tempfile import TemporaryDirectory, gettempdir
 from typing import TYPE_CHECKING, Any
@@ -26,6 +25,8 @@ _MOST_MESSAGES = 2000  # of a topic
 _MOST_PICTURES = 4  # of a topic, from its beginning: an outlined picture is looked at, not measured
 _MOST_FILES = 8
 _MOST_LOG = 4000
+# Below ~ and /tmp, as in ~/Pictures/drone: without a sandbox they hold more than one could search.
+_DEPTHS = ("*", "*/*", "*/*/*")
 _TMP = "/tmp"  # noqa: S108
 _PICTURES = frozenset({".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp"})
 
@@ -37,6 +38,7 @@ def run(
     topic: str,
     params: dict[str, Any],
     remap: dict[str, str],
+    given: list[str],
     timeout: float,
     *,
     ros: bool = False,
@@ -62,6 +64,8 @@ def run(
         package's folder or the working folder is meant.
     remap : dict of str to str
         Names to use in place of others.
+    given : list of str
+        What else stands on its command line, with the same folders.
     timeout : float
         Seconds.
     ros : bool, optional
@@ -88,6 +92,7 @@ def run(
                     bag,
                     _with_folders(params),
                     remap,
+                    [_placed(text) for text in given],
                     timeout,
                     has_saved=lambda: _saved(started),
                 )
@@ -97,6 +102,7 @@ def run(
                     bag=bag,
                     params=_with_folders(params),
                     remap=remap,
+                    arguments=[_placed(text) for text in given],
                     timeout=timeout,
                     stall=timeout,
                     keep_going=True,
@@ -114,22 +120,22 @@ def run(
         "unstamped": [name for name, first in firsts.items() if first and _unstamped(first[1])],
         "files": _saved(started),
         "error": error and error[-_MOST_LOG:],
-        "log": recording.output[-_MOST_LOG:] if recording else "",
+        # A node that published nothing has an empty recording, and much to say all the same.
+        "log": "" if recording is None else recording.output[-_MOST_LOG:],
     }
 
 
 def _with_folders(params: dict[str, Any]) -> dict[str, Any]:
-    here = str(Path.cwd())
-    folders = {"$(find unit4)": f"{here}/unit4", "$(env HOME)": here}
-
-    def placed(text: str) -> str:
-        if text.startswith(f"{_TMP}/"):  # the machine's own may be closed to students
-            text = gettempdir() + text.removeprefix(_TMP)
-        return reduce(lambda text, item: text.replace(*item), folders.items(), text)
-
     return {
-        name: placed(value) if isinstance(value, str) else value for name, value in params.items()
+        name: _placed(value) if isinstance(value, str) else value for name, value in params.items()
     }
+
+
+def _placed(text: str) -> str:
+    here = str(Path.cwd())
+    if text == _TMP or text.startswith(f"{_TMP}/"):  # the machine's own may be closed to students
+        text = gettempdir() + text.removeprefix(_TMP)
+    return text.replace("$(find unit4)", f"{here}/unit4").replace("$(env HOME)", here)
 
 
 def _write_bag(path: Path, stamps: list[int], frames: list[bytes], topic: str) -> None:
@@ -186,11 +192,12 @@ def _picture(message: Any) -> object:  # noqa: ANN401
 
 
 def _saved(since: float) -> dict[str, bytes]:
-    """Give the pictures that were saved since a time, below the working folder or in ~ or /tmp."""
+    """Give the pictures that were saved since a time, below the working folder, ~ or /tmp."""
     here = Path.cwd()
     found: dict[str, bytes] = {}
     # In a sandbox, ~ and /tmp are the submission's own, too.
-    others = [path for folder in (Path.home(), Path(gettempdir())) for path in folder.glob("*")]
+    folders = (Path.home(), Path(gettempdir()))
+    others = {path for folder in folders for depth in _DEPTHS for path in folder.glob(depth)}
     for path in [*sorted(here.rglob("*")), *sorted(others)]:
         if path.suffix.lower() not in _PICTURES or path.is_symlink() or not path.is_file():
             continue

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import binascii
 import io
+import re
 import shutil
 import time
 from queue import Empty
@@ -20,7 +21,7 @@ from course_lib.grading.student import Cell
 from course_lib.grading.text import clean
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Iterator, Mapping
     from pathlib import Path
 
     from numpy.typing import NDArray
@@ -32,6 +33,7 @@ _MOST_PICTURES = 40
 _MOST_PIXELS = 16_000_000
 _MOST_BASE64 = 12_000_000
 _INTERRUPT_SECONDS = 1.5
+_WITHIN_TEXT = re.compile(r"data:image/(?:png|jpe?g);base64,([A-Za-z0-9+/=]++)")
 
 
 class Notebook:
@@ -62,6 +64,8 @@ class Notebook:
         What the notebook drew, BGR uint8.
     events : list of str
         Limits that were hit.
+    overdue : bool
+        Whether the last cell took too long and ended only with its kernel.
     """
 
     def __init__(
@@ -70,6 +74,7 @@ class Notebook:
         self.cells: list[Cell] = []
         self.pictures: list[NDArray[np.uint8]] = []
         self.events: list[str] = []
+        self.overdue = False
         self._launcher = launcher
         self._original = original
         self._folder = folder
@@ -80,6 +85,7 @@ class Notebook:
         self._starts = 0
         self._sources: list[str] = []  # cells that left their kernel alive
         self._running = ("", "")  # request and source
+        self._updates: dict[str, Mapping[str, Any]] = {}  # of displays, the last of each
 
     def seconds_left(self) -> float:
         """Seconds that the submission still has."""
@@ -136,6 +142,7 @@ class Notebook:
     def begin(self, source: str) -> str:
         """Send a cell for the first time; it counts as bad until its last output is in."""
         self.channel()
+        self.overdue = False
         request = self.send(source)
         self._running = (request, source)
         return request
@@ -155,10 +162,19 @@ class Notebook:
             raise KernelGoneError
         message = self._channel.output(self._soon(seconds))
         request, source = self._running
+        self._keep_update(message)
         idle = message["content"].get("execution_state") == "idle"
         if idle and message["parent_header"].get("msg_id") == request:
             self._sources.append(source)
         return message
+
+    def _keep_update(self, message: Message) -> None:
+        """Keep what an output was replaced by; nbval looks at new outputs only."""
+        if message.get("msg_type") == "update_display_data":
+            place = str(message["content"].get("transient"))[:200]
+            data = message["content"].get("data")
+            if isinstance(data, dict) and len({*self._updates, place}) <= _MOST_PICTURES:
+                self._updates[place] = data
 
     def interrupt(self) -> None:
         """Stop what the kernel does; end the kernel if it does not listen."""
@@ -170,6 +186,7 @@ class Notebook:
             self._channel.reply(request, "kernel_info_reply", self._soon(_INTERRUPT_SECONDS))
         except (Empty, KernelGoneError):
             self.events.append("ignored an interrupt")
+            self.overdue = True
             self._channel.ended = True
             self._kernel.kill()
 
@@ -191,12 +208,23 @@ class Notebook:
     def record(self, outputs: Iterable[Mapping[str, Any]], error: str | None) -> None:
         """Keep how a cell ran and what it drew."""
         self.cells.append(Cell(len(self.cells) + 1, error))
-        for output in outputs:
-            data = output.get("data", {})
-            for kind in ("image/png", "image/jpeg"):
-                encoded = data.get(kind)
-                if isinstance(encoded, str) and len(self.pictures) < _MOST_PICTURES:
+        drawn = [output.get("data", {}) for output in outputs]
+        drawn += self._updates.values()
+        self._updates = {}
+        for data in drawn:
+            for encoded in _encoded(data):
+                if len(self.pictures) < _MOST_PICTURES:
                     self.pictures += picture_from(encoded)
+
+
+def _encoded(data: Mapping[str, Any]) -> Iterator[str]:
+    """Give the pictures of an output: those that it is, and those within its HTML or markdown."""
+    for kind in ("image/png", "image/jpeg"):
+        if isinstance(data.get(kind), str):
+            yield data[kind]
+    for kind in ("text/html", "text/markdown"):
+        if isinstance(data.get(kind), str):
+            yield from (match[1] for match in _WITHIN_TEXT.finditer(data[kind]))
 
 
 def picture_from(encoded: str) -> list[NDArray[np.uint8]]:

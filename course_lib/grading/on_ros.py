@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,7 +14,7 @@ from course_lib.real_ros import RosError, run_launch
 from course_lib.real_ros.runner import rosparam
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from course_lib.offline_ros import Recording
 
@@ -31,6 +32,7 @@ def run_on_ros(
     bag: Path,
     params: Mapping[str, Any],
     remap: Mapping[str, str],
+    given: Sequence[str],
     timeout: float,
     *,
     has_saved: Callable[[], object],
@@ -51,6 +53,8 @@ def run_on_ros(
     params, remap : mapping
         Its private parameters and other names, as the student's launch file has them; if neither
         is given, a launch file that sets something is left aside.
+    given : sequence of str
+        What else that file puts on its command line.
     timeout : float
         Seconds for each try.
     has_saved : callable
@@ -68,7 +72,7 @@ def run_on_ros(
     package = Path.cwd() / node.parts[0]
     own = package / "launch" / f"{node.stem}.launch"
     text = own.read_text(errors="replace") if own.is_file() else ""
-    if text and (params or remap or not any(tag in text for tag in _SETS_SOMETHING)):
+    if text and (params or remap or given or not any(tag in text for tag in _SETS_SOMETHING)):
         try:
             recording = _launch(package, own, bag, timeout)
         except NodeError as error:
@@ -82,7 +86,7 @@ def run_on_ros(
     with _manifest(package) as name:
         node.chmod(0o755)  # roslaunch finds no other
         ours = folder / own.name
-        ours.write_text(_launch_text(name, node, params, remap))
+        ours.write_text(_launch_text(name, node, params, remap, given))
         return _launch(package, ours, bag, timeout)
 
 
@@ -112,7 +116,11 @@ def _manifest(package: Path) -> Iterator[str]:
 
 
 def _launch_text(
-    package: str, node: Path, params: Mapping[str, Any], remap: Mapping[str, str]
+    package: str,
+    node: Path,
+    params: Mapping[str, Any],
+    remap: Mapping[str, str],
+    given: Sequence[str],
 ) -> str:
     """Write a launch file. Python is named, so that the node's first line has no say."""
     attributes = {
@@ -122,6 +130,8 @@ def _launch_text(
         "output": "screen",
         "launch-prefix": "/usr/bin/python3",
     }
+    if given:
+        attributes["args"] = shlex.join(given)
     if "__ns" in remap:
         attributes["ns"] = remap["__ns"]
     # Offline a node may import the course, which costs some points; here, too.

@@ -42,6 +42,7 @@ if TYPE_CHECKING:
 _SHOWN_PICTURES = 12
 _WIDEST = 800  # px
 _MOST_EVENTS = 60
+_TOO_LONG = "took too long and was stopped"
 
 
 @dataclass(frozen=True)
@@ -254,6 +255,8 @@ class _Grading:
         notebook = self.open_notebook(item.parent.exercise)
         death = notebook.reason_of_death()
         error = _cell_error(outputs, call.excinfo.value, death) if call.excinfo else None
+        if error and notebook.overdue:
+            error = _TOO_LONG
         seen = len(notebook.pictures)
         notebook.record(outputs, error)
         item.test_outputs = None
@@ -329,11 +332,11 @@ def _cell_error(outputs: list[Any], error: BaseException, death: str) -> str:
             if kind == "NotImplementedError":
                 return "is not done yet"
             if kind == "KeyboardInterrupt":
-                return "took too long and was stopped"
+                return _TOO_LONG
             message = clean(str(output.get("evalue", "")), 500).rstrip(". \n")
             return f"raised {kind}: {message}.{hint(kind, message)}".rstrip(".")
     if isinstance(error, NbCellError):
-        return "took too long and was stopped"
+        return _TOO_LONG
     if isinstance(error, KernelGoneError):
         why = clean(str(error), 200) or death
         return f"ended its process ({why})" if why else "ended its process"

@@ -216,6 +216,7 @@ class Student:
         topic: str = "/camera/rgb/image_raw",
         params: Mapping[str, object] | None = None,
         remap: Mapping[str, str] | None = None,
+        given: Sequence[str] = (),
         files: Mapping[str, bytes] | None = None,
         timeout: float = _NODE_SECONDS,
     ) -> NodeRun:
@@ -234,6 +235,8 @@ class Student:
             `$(env HOME)` for the working folder.
         remap : mapping of str to str, optional
             Names to use in place of others, as on a node's command line.
+        given : sequence of str, optional
+            What else stands on its command line, with the same folders.
         files : mapping of str to bytes, optional
             Files to put in the working folder first.
         timeout : float, optional
@@ -256,6 +259,7 @@ class Student:
             "topic": topic,
             "params": dict(params or {}),
             "remap": dict(remap or {}),
+            "given": list(given),
             "files": dict(files or {}),
             "timeout": timeout,
             "ros": self._ros,

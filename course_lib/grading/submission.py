@@ -226,6 +226,9 @@ def _base(into: Path, chosen: Mapping[str, notebooks.Found], copier: Copier) -> 
     """Give the folder that holds the notebooks, and bring `unit4` there."""
     base = next((best.path.parent for best in chosen.values()), into)
     package = base / "unit4"
+    if not package.is_dir() and any(path.name.lower() == "package.xml" for path in base.iterdir()):
+        _wrap(base, package)
+        copier.notes.append("Your package's files lie beside the notebook, not in a folder unit4.")
     if not package.is_dir():
         candidates = [path.parent for path in tree(into) if path.name.lower() == "package.xml"]
         candidates += [
@@ -237,6 +240,16 @@ def _base(into: Path, chosen: Mapping[str, notebooks.Found], copier: Copier) -> 
             where = candidates[0].relative_to(into)
             copier.notes.append(f"Your package was found in {clean(str(where), 100)}.")
     return base
+
+
+def _wrap(base: Path, package: Path) -> None:
+    """Make a package of the files around a notebook, which keeps them, too."""
+    _make_room(package)
+    others = [path for path in base.iterdir() if path.suffix != ".ipynb"]
+    package.mkdir()
+    for path in others:
+        copy = shutil.copytree if path.is_dir() else shutil.copy2
+        copy(path, package / path.name)
 
 
 def _make_room(path: Path) -> None:

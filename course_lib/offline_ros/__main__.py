@@ -90,6 +90,8 @@ def _parser() -> argparse.ArgumentParser:
     add("--quiet", action="store_true", help="no progress bar and no summary")
     add("--with-parent", action="store_true", help=argparse.SUPPRESS)
     add("--progress", type=Path, help=argparse.SUPPRESS)
+    # So that an option of the node is not taken for one of this command.
+    add("--argument", action="append", default=[], help=argparse.SUPPRESS)
     return parser
 
 
@@ -141,7 +143,7 @@ def main(argv: list[str] | None = None) -> int:
         parser.error("--record would overwrite the recording that is played")
     host = Host(
         options.node,
-        options.arguments,
+        [*options.argument, *options.arguments],
         source,
         record=record,
         keep=options.keep,

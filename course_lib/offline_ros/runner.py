@@ -19,7 +19,7 @@ from course_lib.offline_ros.host import CRASHED, ENDED
 from course_lib.offline_ros.recording import Recording
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping
+    from collections.abc import Collection, Mapping, Sequence
 
 _ROOT = Path(__file__).resolve().parents[2]
 _MOST_OUTPUT = 1_000_000  # bytes of printed text that are kept, from the end
@@ -31,6 +31,7 @@ def run_node(
     bag: str | Path = "flight.bag",
     remap: Mapping[str, str] | None = None,
     params: Mapping[str, Any] | None = None,
+    arguments: Sequence[str] = (),
     topics: Collection[str] | None = None,
     timeout: float | None = None,
     max_frames: int | None = None,
@@ -58,6 +59,8 @@ def run_node(
         Topics to rename, `{"/camera/image": "/camera/rgb/image_raw"}`.
     params : mapping of str to object, optional
         The node's private parameters, `{"match_count": 100}`.
+    arguments : sequence of str, optional
+        What else stands on its command line, `["--match-count", "100"]`.
     topics : collection of str, optional
         Play only these. Default: all.
     timeout : float, optional
@@ -115,6 +118,7 @@ def run_node(
     options += _limits(limits)
     options += [f"--topic={topic}" for topic in topics or ()]
     options += [f"--keep={topic}" for topic in keep or ()]
+    options += [f"--argument={argument}" for argument in arguments]
     if keep_going:
         options.append("--keep-going")
 

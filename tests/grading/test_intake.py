@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import zipfile
 
 import nbformat
 import pytest
@@ -68,3 +69,17 @@ def test_exchanged_names_are_seen_through(tmp_path):
     found = handed_in(tmp_path / "in", exercise_4_1=["4.2"], exercise_4_2=["4.1"])
     assert "locate_mug" in found.notebooks["4.1"].read_text()
     assert "locate_waterhole" in found.notebooks["4.2"].read_text()
+
+
+def test_a_package_whose_files_lie_beside_the_notebook_is_taken(tmp_path):
+    """As from a zip of the folder's content, in a folder with the notebook."""
+    (tmp_path / "in").mkdir()
+    cell = new_code_cell("def crop_waterhole(frame):\n    return frame")
+    nbformat.write(new_notebook(cells=[cell]), tmp_path / "in" / "exercise_4_2.ipynb")
+    with zipfile.ZipFile(tmp_path / "in" / "unit4.zip", "w") as archive:
+        archive.writestr("package.xml", "<package/>")
+        archive.writestr("src/exercise4_2_1.py", "#!/usr/bin/env python3\n")
+    found = stage(Source("student", (tmp_path / "in",)), tmp_path / "staged")
+    assert (found.folder / "unit4" / "package.xml").is_file()
+    assert (found.folder / "unit4" / "src" / "exercise4_2_1.py").is_file()
+    assert any("beside the notebook" in note for note in found.notes)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from course_lib.grading.launch_file import LaunchError, read_launch
+from course_lib.grading.launch_file import read_launch
+from course_lib.grading.launch_xml import LaunchError
 
 
 def only(text: str, **options: str):
@@ -82,7 +83,13 @@ def test_conditions_decide():
 
 @pytest.mark.parametrize(
     "value",
-    ["$(arg missing)", "$(env SECRET)", "$(eval 1 + 1)", "$(find other)/x", "$(arg required)"],
+    [
+        "$(arg missing)",
+        "$(env SECRET)",
+        "$(eval open('x').read())",
+        "$(find other)/x",
+        "$(arg required)",
+    ],
 )
 def test_what_is_not_known_here_leaves_out_its_parameter(value):
     node = only('<arg name="required"/>' + NODE.format(f'<param name="p" value="{value}"/>'))
@@ -124,3 +131,63 @@ def test_an_argument_that_repeats_itself_does_not_grow():
     )
     node = only(args + NODE.format('<param name="p" value="$(arg a9)"/>'))
     assert node.params == {}
+
+
+def test_plain_arguments_are_the_nodes_own():
+    node = only(
+        '<arg name="n" default="58"/><node pkg="unit4" type="a.py" name="a" '
+        'args="$(find unit4)/a.png --count $(arg n) _x:=1"/>'
+    )
+    assert node.arguments == ("$(find unit4)/a.png", "--count", "58")
+    assert node.params == {"x": 1}
+
+
+def test_files_of_the_package_are_included_and_loaded():
+    files = {
+        "launch/common/node.xml": b"""<launch><arg name="n"/><arg name="m" default="2"/>
+            <node pkg="unit4" type="a.py" name="a"><param name="n" value="$(arg n)"/>
+            <param name="m" value="$(arg m)"/>
+            <rosparam file="$(dirname)/../../config/a.yaml"/></node></launch>""",
+        "config/a.yaml": b"count: 58  # measured\ntopic: /camera/rgb/image_raw\n",
+    }
+    text = b"""<launch><arg name="m" default="7"/>
+        <include file="$(find unit4)/launch/common/node.xml" ns="well">
+        <arg name="n" value="5"/></include>
+        <include file="$(find elsewhere)/launch/other.launch"/></launch>"""
+    (node,) = read_launch(text, files=files)
+    assert node.params == {"n": 5, "m": 2, "count": 58, "topic": "/camera/rgb/image_raw"}
+    assert node.remaps["__ns"] == "well"
+    passing = text.replace(b'ns="well"', b'pass_all_args="true"')
+    assert read_launch(passing, files=files)[0].params["m"] == 7
+
+
+def test_a_file_that_includes_itself_comes_to_an_end():
+    again = b'<include file="$(find unit4)/launch/a.launch"/>' * 3
+    text = b"<launch>" + again + b"</launch>"
+    with pytest.raises(LaunchError, match="nested"):
+        read_launch(text, files={"launch/a.launch": text})
+
+
+@pytest.mark.parametrize(
+    ("expression", "value"),
+    [
+        ("arg('n') + 2", 60),
+        ("find('unit4') + '/' + arg('file') + '.png'", "$(find unit4)/well.png"),
+        ("n == 58 and not show", True),
+        ("int(n / 2)", 29),
+        ("dirname() + '/x'", "$(find unit4)/launch/x"),
+    ],
+)
+def test_eval_is_worked_out(expression, value):
+    node = only(
+        '<arg name="n" default="58"/><arg name="file" default="well"/>'
+        '<arg name="show" default="false"/>'
+        + NODE.format(f'<param name="x" value="$(eval {expression})"/>')
+    )
+    assert node.params == {"x": value}
+
+
+def test_a_declared_latin_1_is_read():
+    text = '<?xml version="1.0" encoding="ISO-8859-1"?><launch><!-- für -->{}</launch>'
+    nodes = read_launch(text.format(NODE.format("")).encode("latin-1"))
+    assert [node.type for node in nodes] == ["a.py"]

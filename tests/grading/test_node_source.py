@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import pytest
 from independent_4_2 import FINDS, TAKES
 
-from course_lib.grading.node_source import cannot_start, meaning, parse, why_silent
+from course_lib.grading.node_source import cannot_start, is_stub, meaning, parse, why_silent
+from course_lib.grading.ros_package import what_went_wrong
 
 TOPIC = "/camera/rgb/image_raw"
 NODE = FINDS["functions"]
@@ -57,3 +60,40 @@ def test_errors_are_explained_as_a_node_needs_it():
         "TypeError: callback() missing 1 required positional argument: 'msg'"
     )
     assert meaning("RuntimeError: no idea") == ""
+
+
+BASE = """class Finder:
+    def find(self, frame):
+        raise NotImplementedError
+class Orb(Finder):
+    def find(self, frame):
+        return None
+def decode(message):
+    if message.encoding != "bgr8":
+        raise NotImplementedError(message.encoding)
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "stub"),
+    [
+        (BASE, False),
+        ("raise NotImplementedError('MATCH_COUNT = …')", True),
+        ("def f():\n while 1:\n  try:\n   raise NotImplementedError('x')\n  finally: pass", True),
+        ("class Node:\n def find(self):\n  raise NotImplementedError('match')", True),
+    ],
+)
+def test_only_what_is_still_to_be_written_is_a_stub(text, stub):
+    assert is_stub(parse(text)) == stub
+
+
+def test_what_a_command_line_lacks_is_told():
+    left = "a.py crashed\n\nthe node left with sys.exit(2)"
+    usage = (
+        "usage: a.py [-h] template\na.py: error: the following arguments are required: template\n"
+    )
+    said = what_went_wrong(SimpleNamespace(error=left, log=usage))
+    assert said == "a.py: error: the following arguments are required: template"
+    said = what_went_wrong(SimpleNamespace(error=left, log=""))
+    assert said == "the node left with sys.exit(2)"
+    assert what_went_wrong(SimpleNamespace(error=None, log="")) is None

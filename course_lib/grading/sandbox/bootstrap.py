@@ -11,8 +11,13 @@ from typing import Any
 import zmq
 from ipykernel.iostream import IOPubThread
 from ipykernel.kernelapp import IPKernelApp
+from IPython.core import pylabtools
+from matplotlib_inline import backend_inline
 
 from course_lib.grading import agent
+from course_lib.grading.sandbox.semaphores import make_do_without_shared_memory
+
+_PIXELS = {"png", "png2x", "retina", "jpg", "jpeg"}
 
 
 class _App(IPKernelApp):
@@ -65,10 +70,24 @@ def run(connection: dict[str, Any], listeners: list[int], *, loopback: bool) -> 
     app.initialize([])  # type: ignore[no-untyped-call]
     # matplotlib was imported before there was a shell: tell each of the other.
     shell: Any = app.shell
+    _draw_as_png_too()
     shell.enable_matplotlib("inline")
     _run_commands_without_terminal(shell)
+    make_do_without_shared_memory()
     agent.install(app)
     app.start()  # type: ignore[no-untyped-call]
+
+
+def _draw_as_png_too() -> None:
+    """Let figures be sent as PNG whatever format a notebook asks for: that is what is looked at."""
+    usual = pylabtools.select_figure_formats
+
+    def select(shell: Any, formats: Any, **how: Any) -> None:  # noqa: ANN401
+        asked = {formats} if isinstance(formats, str) else set(formats)
+        usual(shell, asked if asked & _PIXELS else asked | {"png"}, **how)  # type: ignore[no-untyped-call]
+
+    for module in (pylabtools, backend_inline):
+        module.select_figure_formats = select  # type: ignore[attr-defined]
 
 
 def _run_commands_without_terminal(shell: Any) -> None:  # noqa: ANN401
