@@ -6,6 +6,8 @@ import ast
 import re
 from typing import TYPE_CHECKING
 
+from course_lib.grading.error_hints import hint
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -31,6 +33,13 @@ _HINTS = (
         (
             "Is the callback's name spelled alike where it is defined and where rospy.Subscriber "
             "is given it?"
+        ),
+    ),
+    (
+        r"The function is not implemented",
+        (
+            "cv2.imshow opens a window, and a robot has no screen: publish the picture instead, or "
+            "open a window only where there is a display."
         ),
     ),
     (
@@ -69,7 +78,9 @@ def parse(text: str) -> ast.Module:
             raise ValueError(
                 f"is Python 2 (line {error.lineno}): in Python 3, print is a function, print(…)"
             ) from None
-        raise ValueError(f"is not Python (line {error.lineno})") from None
+        raise ValueError(
+            f"is not Python (line {error.lineno}): {str(error.msg)[:_UNTIDY]}"
+        ) from None
     except (ValueError, RecursionError, MemoryError):
         raise ValueError("is not Python") from None
 
@@ -156,7 +167,8 @@ def meaning(error: str) -> str:
         A blank and a sentence or two, or nothing.
     """
     fits = (text for pattern, text in _HINTS if re.search(pattern, error))
-    return next((f" {text}" for text in fits), "")
+    kind, _, message = error.partition(": ")
+    return next((f" {text}" for text in fits), hint(kind.rpartition(".")[2], message))
 
 
 def _imported(tree: ast.Module) -> Iterator[str]:
