@@ -20,12 +20,13 @@ if TYPE_CHECKING:
 
 NAME = "unit4"
 TOPIC = "/camera/rgb/image_raw"
-NEEDED = ("rospy", "sensor_msgs", "cv_bridge")
+NEEDED = ("rospy", "sensor_msgs", "geometry_msgs", "cv_bridge")
 # What `course release` leaves where a part is the student's to write.
 _STUB = "Your part:"
 _FOLDERS = ("src/", "scripts/", "nodes/", "")
 _NODE_SECONDS = 40.0
 _CMAKE = ("project(", "find_package(catkin", "catkin_package(")
+_INSTALLED = re.compile(r"\b(?:src|scripts|nodes)/[\w./-]+\.py\b")
 _ERROR_LINE = re.compile(r"^\w[\w.]*(?:Error|Exception|Interrupt|error)\b.*", re.MULTILINE)
 
 
@@ -95,6 +96,19 @@ class Package:
             raise FaultError(
                 f"CMakeLists.txt has no {missing[0]}…). Without it catkin does not build.",
                 0.5 if len(missing) < len(_CMAKE) - 1 else 0.0,
+            )
+        for path in _INSTALLED.findall(text):
+            if path not in self._files:
+                raise FaultError(
+                    f"CMakeLists.txt names {path[:80]}, but there is no such file in the package: "
+                    "catkin does not build.",
+                    0.5,
+                )
+        if "find_package(catkinrequired)" in bare:
+            raise FaultError(
+                "CMakeLists.txt finds catkin without what the nodes depend on: "
+                "find_package(catkin REQUIRED COMPONENTS rospy …).",
+                0.5,
             )
 
     def check_launch(self, stem: str) -> None:
