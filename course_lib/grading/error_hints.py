@@ -64,6 +64,10 @@ TypeError: slice indices must be integers
     A count is an int, and is cut off at one: matches[:int(count)].
 AttributeError: object has no attribute 'pt'
     find_keypoints should return cv2.KeyPoint objects, as ORB gives them, not their coordinates.
+AttributeError: object has no attribute 'queryIdx'
+    knnMatch returns a list for each keypoint: keep the best of each, and return those.
+AttributeError: object has no attribute 'distance'
+    knnMatch returns a list for each keypoint: compare its two, m and n, and keep m.
 TypeError: 'NoneType' object is not subscriptable
     Something is None here: does the function whose result it is end in a return? Else a picture was
     not found, or an outline. Check before you use it.

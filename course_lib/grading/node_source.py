@@ -43,7 +43,7 @@ _HINTS = (
         ),
     ),
     (
-        r"empty\(\)|'NoneType'|2D or 3D point sets",
+        r"(?<!mask\.)empty\(\)|'NoneType'|2D or 3D point sets",
         (
             "Something is None or empty here: a template that cv2.imread did not find, the "
             "descriptors of a frame without keypoints, a homography that does not exist. Look "

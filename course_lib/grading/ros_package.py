@@ -290,9 +290,10 @@ def what_went_wrong(run: NodeRun) -> str | None:
         lines = _ERROR_LINE.findall(text)
         if lines:
             last = str(lines[-1])[:300]
-            meaning = node_source.meaning(last)
+            meaning = node_source.meaning(str(lines[-1]))
             return f"{last.rstrip('.')}.{meaning}" if meaning else last
-    return (run.error or "").strip().splitlines()[0][:300] if run.error else None
+    said = [line for line in (run.error or "").splitlines() if line.strip()]
+    return said[-1].strip()[:300] if said else None
 
 
 def _is_stub(node: ast.Raise) -> bool:

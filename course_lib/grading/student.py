@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 _SECOND_CHANCES = 2  # hangs or deaths of one function before its other calls are not tried
 _NODE_SECONDS = 60.0
+_LAST = 2000  # characters of what a node said, no more than `clean` keeps
 _ENDED = (
     "it ended its process, or crashed it, as OpenCV does where its objects are not made by their "
     "own functions, such as cv2.ORB() instead of cv2.ORB_create()"
@@ -282,8 +283,9 @@ class Student:
                 types={clean(str(n), 100): clean(str(t), 100) for n, t in found["types"].items()},
                 unstamped=frozenset(clean(str(n), 100) for n in found["unstamped"]),
                 files={clean(str(n), 200): _bytes(data) for n, data in found["files"].items()},
-                error=clean(found["error"]) if isinstance(found["error"], str) else None,
-                log=clean(str(found["log"])),
+                # The last line of a traceback says most.
+                error=clean(error[-_LAST:]) if isinstance(error := found["error"], str) else None,
+                log=clean(str(found["log"])[-_LAST:]),
             )
         except (TypeError, KeyError, ValueError, AttributeError, OverflowError) as error:
             raise BadValue(f"What {path} did could not be read.") from error

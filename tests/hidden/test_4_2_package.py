@@ -73,7 +73,7 @@ def test_second_node(student, grade, seeds):
         template.shape,
         home=home,
         out_of=1.5,
-        nothing=None if hole.crop.usable else CROP_FIRST,
+        nothing=hole.finds_nothing() if hole.crop.usable else CROP_FIRST,
     )
     finds = grade.fraction >= FINDS
     silent = [published.get(frame.stamp_ns) is None for frame in hole.absent]
