@@ -70,6 +70,11 @@ def _cmake(_: Work) -> None:
     for part in ("project(", "find_package(catkin", "catkin_package("):
         if part not in text:
             raise WrongError(f"CMakeLists.txt has no {part}…). Without it catkin does not build.")
+    if "find_package(catkinrequired)" in text:
+        raise WrongError(
+            "CMakeLists.txt finds catkin without what the nodes depend on: "
+            "find_package(catkin REQUIRED COMPONENTS rospy …)."
+        )
 
 
 def _node(name: str, words: tuple[str, ...], _: Work) -> None:

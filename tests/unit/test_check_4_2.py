@@ -53,9 +53,9 @@ def best_match_count(template, frames, candidates=range(4, 1001, 18)):
 PACKAGE = {
     "package.xml": '<?xml version="1.0"?>\n<package format="2"><name>unit4</name>'
     "<exec_depend>rospy</exec_depend><exec_depend>sensor_msgs</exec_depend>"
-    "<exec_depend>cv_bridge</exec_depend></package>",
+    "<exec_depend>geometry_msgs</exec_depend><exec_depend>cv_bridge</exec_depend></package>",
     "CMakeLists.txt": "cmake_minimum_required(VERSION 3.0)\nproject(unit4)\n"
-    "find_package(catkin REQUIRED)\ncatkin_package()\n",
+    "find_package(catkin REQUIRED COMPONENTS rospy)\ncatkin_package()\n",
     "src/exercise4_2_1.py": "#!/usr/bin/env python3\nimport rospy\n\n"
     'TOPIC = "/camera/rgb/image_raw"\n',
     "src/exercise4_2_2.py": "#!/usr/bin/env python3\nimport rospy\n\n"
@@ -210,7 +210,7 @@ def test_a_namespace_may_stand_for_the_beginning_of_a_topic(unit4: Path) -> None
 
 
 def test_cmake_cares_neither_for_case_nor_for_white_space(unit4: Path) -> None:
-    text = "PROJECT(unit4)\nfind_package(\n  catkin REQUIRED\n)\ncatkin_package ( )\n"
+    text = "PROJECT(unit4)\nfind_package(\n  catkin REQUIRED\n  COMPONENTS rospy\n)\ncatkin_package ( )\n"
     (unit4 / "CMakeLists.txt").write_text(text)
     assert row(check("4.2", namespace={}), "unit4/CMakeLists.txt").verdict is Verdict.RIGHT
     (unit4 / "CMakeLists.txt").write_text(text.replace("catkin_package", "# catkin_package"))
