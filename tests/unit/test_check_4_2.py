@@ -210,7 +210,8 @@ def test_a_namespace_may_stand_for_the_beginning_of_a_topic(unit4: Path) -> None
 
 
 def test_cmake_cares_neither_for_case_nor_for_white_space(unit4: Path) -> None:
-    text = "PROJECT(unit4)\nfind_package(\n  catkin REQUIRED\n  COMPONENTS rospy\n)\ncatkin_package ( )\n"
+    found = "find_package(\n  catkin REQUIRED\n  COMPONENTS rospy\n)\n"
+    text = f"PROJECT(unit4)\n{found}catkin_package ( )\n"
     (unit4 / "CMakeLists.txt").write_text(text)
     assert row(check("4.2", namespace={}), "unit4/CMakeLists.txt").verdict is Verdict.RIGHT
     (unit4 / "CMakeLists.txt").write_text(text.replace("catkin_package", "# catkin_package"))
