@@ -65,7 +65,10 @@ def judge_crop(crop: object, frame: Image, silhouette: ArrayLike) -> Crop:
     Crop
     """
     if crop is None:
-        return Crop(message="crop_waterhole returns None: is a return missing?")
+        return Crop(
+            message="crop_waterhole should return a part of the frame. It returns None: is a return "
+            "missing?"
+        )
     if not isinstance(crop, np.ndarray) or crop.dtype != np.uint8 or not crop.size:
         return Crop(
             message="crop_waterhole should return a part of the frame. Is it empty? A slice is "
