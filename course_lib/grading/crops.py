@@ -66,8 +66,8 @@ def judge_crop(crop: object, frame: Image, silhouette: ArrayLike) -> Crop:
     """
     if crop is None:
         return Crop(
-            message="crop_waterhole should return a part of the frame. It returns None: is a return "
-            "missing?"
+            message="crop_waterhole should return a part of the frame. It returns None: is a "
+            "return missing?"
         )
     if not isinstance(crop, np.ndarray) or crop.dtype != np.uint8 or not crop.size:
         return Crop(
