@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 FOLDER = Path("unit4")
 # What `course release` leaves where a part is the student's to write.
 _STUB = "Your part:"
-_NEEDED = ("rospy", "sensor_msgs", "cv_bridge")
+_NEEDED = ("rospy", "sensor_msgs", "geometry_msgs", "cv_bridge")
 _IMAGE_TOPIC = "/camera/rgb/image_raw"
 _MOST_BYTES = 1_000_000
 

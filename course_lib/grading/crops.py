@@ -64,6 +64,11 @@ def judge_crop(crop: object, frame: Image, silhouette: ArrayLike) -> Crop:
     -------
     Crop
     """
+    if crop is None:
+        return Crop(
+            message="crop_waterhole should return a part of the frame. It returns None: is a "
+            "return missing?"
+        )
     if not isinstance(crop, np.ndarray) or crop.dtype != np.uint8 or not crop.size:
         return Crop(
             message="crop_waterhole should return a part of the frame. Is it empty? A slice is "
@@ -96,6 +101,13 @@ def judge_crop(crop: object, frame: Image, silhouette: ArrayLike) -> Crop:
         message = "The crop does not show the whole waterhole. Look at it: where is it cut off?"
         if abs(x - top) < _NEAR and abs(y - left) < _NEAR:
             message = "x and y are swapped in the crop. Rows come first: frame[y:y + h, x:x + w]."
+        elif np.abs(np.subtract(rect[:2], (left, top))).max() < _NEAR and (
+            np.abs(np.subtract((x + width, y + height), (right - left, bottom - top))).max() < _NEAR
+        ):
+            message = (
+                "The crop ends where its width and height say, counted from the frame's edge. A "
+                "slice names where it ends, not how long it is: frame[y:y + h, x:x + w]."
+            )
         elif covered >= CROP_WHOLE[1]:
             message = (
                 "The waterhole is in the crop, and much else is too. Whatever else it holds would "

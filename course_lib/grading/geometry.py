@@ -11,6 +11,7 @@ from course_lib.grading.outlines import (
     corner_error,
     expected_outline,
     is_convex,
+    means_nothing,
     outline_overlap,
     reformed,
 )
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
 __all__ = [
+    "absent_credit",
     "as_outline",
     "corner_credit",
     "corner_error",
@@ -88,6 +90,26 @@ def corner_credit(found: object, true: ArrayLike, tolerance: Tolerance) -> float
     return max(exact, FORM * credit(corner_error(reformed(found, true), true), tolerance))
 
 
+def absent_credit(found: object) -> float:
+    """
+    Return the share of the points for an answer where there is nothing to find.
+
+    Parameters
+    ----------
+    found : object
+        What the submission returned. None is right; an empty list, zeros or a text say the same in
+        another form, and get :data:`FORM`.
+
+    Returns
+    -------
+    float
+        From 0 to 1.
+    """
+    if found is None:
+        return 1.0
+    return FORM if means_nothing(found) else 0.0
+
+
 def mug_credit(found: object, true: ArrayLike | None, kind: str = "plain") -> float:
     """
     Return the share of the points for one scene of :func:`course_lib.scenes.mug_scene`.
@@ -97,7 +119,7 @@ def mug_credit(found: object, true: ArrayLike | None, kind: str = "plain") -> fl
     found : object
         What the submission returned.
     true : array_like, shape (4, 2), or None
-        None: the mug is absent, and None is the right answer.
+        None: the mug is absent; see :func:`absent_credit`.
     kind : str
         The scene's kind; a covered mug is allowed more.
 
@@ -107,7 +129,7 @@ def mug_credit(found: object, true: ArrayLike | None, kind: str = "plain") -> fl
         From 0 to 1.
     """
     if true is None:
-        return float(found is None)
+        return absent_credit(found)
     tolerance = MUG_COVERED if kind == "cover" else MUG
     return corner_credit(found, true, tolerance)
 
@@ -122,7 +144,7 @@ def well_credit(found: object, expected: ArrayLike | None) -> float:
         What the submission returned.
     expected : array_like, shape (4, 2), or None
         What :func:`expected_outline` gives for the student's crop; None: the well is not in the
-        frame, and None is the right answer.
+        frame; see :func:`absent_credit`.
 
     Returns
     -------
@@ -130,5 +152,5 @@ def well_credit(found: object, expected: ArrayLike | None) -> float:
         From 0 to 1.
     """
     if expected is None:
-        return float(found is None)
+        return absent_credit(found)
     return credit(1 - outline_overlap(found, expected), WELL)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import cv2
 import numpy as np
@@ -18,6 +18,10 @@ NEAR = 8.0
 BEST, RIGHT = 40, 0.3
 # What is sorted by a ratio or by two things is nearly sorted by distance; what is not, is not.
 SORTED_CORRELATION = 0.3
+# A second-best match this much farther away makes the best one clear; ratio tests allow 0.6 to 0.9.
+CLEAR, HALF = 0.6, 0.5
+# Descriptors that a matcher takes, and a number of them that it goes through in a second.
+_DTYPES, _MOST = (np.uint8, np.float32), 6000
 # The share of partners that are used once: a ratio test at 0.85 or less leaves 0.7 and more (ORB,
 # AKAZE, SIFT over four seeds), no test at all 0.45 to 0.55.
 ALL_ONCE, NONE_ONCE = 0.7, 0.55
@@ -70,15 +74,20 @@ class MatchList:
         swapped = self._near(expected, there, self._train, self._query)
         return swapped >= RIGHT > self._near(expected, there, self._query, self._train)
 
-    def takes_bits_for_numbers(
-        self, query: NDArray[np.generic], train: NDArray[np.generic]
-    ) -> bool:
-        """Tell whether the distances are Euclidean, though the descriptors are rows of bits."""
+    def takes_bits_for_numbers(self, query: NDArray[Any], train: NDArray[Any]) -> bool:
+        """Tell whether the distances do not count bits, though the descriptors are rows of bits."""
         if query.dtype != np.uint8 or train.dtype != np.uint8 or not self.in_range:
             return False
         best = slice(BEST)
-        apart = query[self._query[best]].astype(np.float64) - train[self._train[best]]
-        return bool(np.allclose(np.linalg.norm(apart, axis=1), self._distance[best], atol=0.01))
+        pairs = list(zip(query[self._query[best]], train[self._train[best]], strict=True))
+        given = self._distance[best]
+        if np.allclose([cv2.norm(*pair, cv2.NORM_HAMMING) for pair in pairs], given):
+            return False
+        others = (cv2.NORM_L2, cv2.NORM_L1, cv2.NORM_L2SQR, cv2.NORM_HAMMING2)
+        return any(
+            np.allclose([cv2.norm(*pair, norm) for pair in pairs], given, rtol=1e-4)
+            for norm in others
+        )
 
     def _near(
         self, expected: Points, there: Points, query: NDArray[np.int_], train: NDArray[np.int_]
@@ -98,15 +107,51 @@ class MatchList:
             return None
         return "The matches are not sorted. Return sorted(matches, key=lambda m: m.distance)."
 
+    def is_cut_unsorted(self, query: NDArray[Any], train: NDArray[Any]) -> bool:
+        """Tell whether these are the first of all cross-checked matches as OpenCV gives them.
+
+        Who cuts off after that many before sorting throws good matches away.
+        """
+        if not _can_be_matched(query, train):
+            return False
+        pairs = set(zip(self._query.tolist(), self._train.tolist(), strict=True))
+        matches = cv2.BFMatcher(_norm(query), crossCheck=True).match(query, train)
+        everything = [(match.queryIdx, match.trainIdx) for match in matches]
+        return len(pairs) < len(everything) and pairs == set(everything[: len(pairs)])
+
+    def is_ratio_inverted(self, query: NDArray[Any], train: NDArray[Any]) -> bool:
+        """Tell whether the clear matches were thrown away, and the ambiguous ones kept."""
+        if not _can_be_matched(query, train):
+            return False
+        kept = set(self._query.tolist())
+        clear: list[bool] = []
+        ambiguous: list[bool] = []
+        for pair in cv2.BFMatcher(_norm(query)).knnMatch(query, train, k=2):
+            if len(pair) == 2:
+                some = clear if pair[0].distance < CLEAR * pair[1].distance else ambiguous
+                some.append(pair[0].queryIdx in kept)
+        return len(clear) > 0 and not any(clear) and bool(np.mean(ambiguous or [False]) > HALF)
+
     def share_once(self) -> float:
         """Return 1 when hardly any keypoint has two partners, 0 when many have."""
         once = min(len(np.unique(side)) / len(side) for side in (self._query, self._train))
         return float(np.clip((once - NONE_ONCE) / (ALL_ONCE - NONE_ONCE), 0, 1))
 
 
+def _can_be_matched(query: NDArray[Any], train: NDArray[Any]) -> bool:
+    """Tell whether OpenCV takes a student's descriptors, and soon comes to an end with them."""
+    alike = query.dtype == train.dtype and query.shape[1] == train.shape[1]
+    return bool(alike and query.dtype in _DTYPES and max(len(query), len(train)) <= _MOST)
+
+
+def _norm(descriptors: NDArray[Any]) -> int:
+    return cv2.NORM_HAMMING if descriptors.dtype == np.uint8 else cv2.NORM_L2
+
+
 def _wrong_kind(found: object) -> str | None:
     if not isinstance(found, list | tuple):
-        return "match_keypoints should return a list of cv2.DMatch."
+        none = " It returns None: is a return missing?" if found is None else ""
+        return f"match_keypoints should return a list of cv2.DMatch.{none}"
     if not found:
         return "match_keypoints found nothing to match, though both pictures show the same mug."
     if isinstance(found[0], list | tuple):

@@ -5,12 +5,19 @@ from __future__ import annotations
 MESSAGES = {
     "none": "Your function returned None, but the {thing} is in this scene. Draw the matches, and "
     "print how many inliers there are. If hardly any matches agree, look at how they are made and "
-    "sorted. If many agree and the inliers are few, RANSAC is missing or the points are paired "
-    "wrongly: queryIdx counts the keypoints of the picture given to match() first, trainIdx the "
-    "others. If the inliers are many, your check is too strict.",
+    "sorted. If many agree and the inliers are few, RANSAC is missing or its threshold is not some "
+    "5 pixels, or the points are paired wrongly: queryIdx counts the keypoints of the picture "
+    "given to match() first, trainIdx the others. If the inliers are many, your check is too "
+    "strict.",
     "absent": "Your function returned an outline, but the {thing} is not in this scene. A "
     "homography can be fitted to any four matches: count the inliers in findHomography's mask, "
     "and return None when only a few agree.",
+    "nothing": "Where the {thing} is not in the scene, you return something that only stands for "
+    "nothing, such as an empty list, zeros, False or a text. Return None itself.",
+    "never": "Your function returns None even where the scene is the {thing}'s own picture, in "
+    "which everything matches. Does it end in a return of the corners? What is printed is not "
+    "returned. Or is a check the wrong way round: < for >, or the sign of cv2.contourArea(…, "
+    "oriented=True), which is below zero for corners in this order?",
     "kind": "Your function must return a NumPy array of four (x, y) corners, shape (4, 2), or "
     "None.",
     "nan": "Your corners hold NaN or infinity: a homography went wrong, perhaps fitted to fewer "
@@ -24,6 +31,10 @@ MESSAGES = {
     "with cv2.perspectiveTransform, and return those.",
     "box": "You returned four numbers, such as x, y, width, height. Return the four corners, "
     "shape (4, 2): a box cannot say that the {thing} is turned or tilted.",
+    "one point": "You returned one point. Return the four corners of the {thing}'s picture, shape "
+    "(4, 2), not their middle.",
+    "with more": "You returned the corners together with something else. Return the corners alone: "
+    "whoever calls the function expects one array, shape (4, 2).",
     "three": "You returned three corners. Four are needed: top left, bottom left, bottom right, "
     "top right of the template.",
     "five": "You returned five corners. Is the first repeated to close the outline? Return four.",
@@ -51,6 +62,8 @@ MESSAGES = {
     "upright": "You returned an upright box around the {thing}. Return the four mapped corners "
     "themselves: they show how it is turned and tilted.",
     "unit": "Your corners lie between 0 and 1. Return pixels of the scene.",
+    "wrapped": "Your corners wrap round to small numbers: uint8 holds none above 255. Return them "
+    "as np.float32.",
     "resized": "Your outline has the right shape, but in a picture of another size. Return corners "
     "in the scene as it was given to your function: did you resize it inside?",
     "resized swapped": "Your outline is that of a scene resized to (height, width). cv2.resize "
@@ -66,6 +79,8 @@ MESSAGES = {
     "folded": "Your outline crosses itself: these matches do not agree on one homography. Check "
     "the outline with cv2.isContourConvex, keep the best matches (sorted by distance, cross-check "
     "or ratio test), and use RANSAC.",
+    "within": "Your outline lies inside the {thing}'s: is it a box around the matched points? Send "
+    "the template's four corners through the homography, and return those.",
     "collapsed": "Your outline has shrunk to a point: these matches do not agree on one "
     "homography. Keep the best matches (sorted by distance, cross-check or ratio test), use "
     "RANSAC, and return None when too few agree.",

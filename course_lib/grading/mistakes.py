@@ -13,6 +13,7 @@ from course_lib.grading.outlines import (
     as_outline,
     corner_error,
     is_convex,
+    means_nothing,
     nearest_order,
 )
 from course_lib.homography import project, template_corners
@@ -33,16 +34,19 @@ NAMED = 0.07
 NAMED_NEAR = 0.012
 MUCH_NEARER = 0.4
 LEAST_SCALE = 0.05
+MOST_UINT8 = 255
 
 # Who makes one of these has found the object all the same.
 HAS_FOUND = frozenset(
     ("(4, 1, 2)", "transposed", "flat", "homography", "box", "five", "inverse", "order", "xy", "wh")
+    + ("one point", "with more", "within", "wrapped")
     + ("scene outline", "template size", "upright", "resized", "resized swapped", "beside")
     + ("shifted", "flipped", "depth", "unit", "near")
 )
 
 SHAPES = {(4, 1, 2): "(4, 1, 2)", (1, 4, 2): "(4, 1, 2)", (2, 4): "transposed", (8,): "flat",
-          (3, 3): "homography", (4,): "box", (3, 2): "three", (3, 1, 2): "three", (5, 2): "five",
+          (3, 3): "homography", (4,): "box", (2,): "one point", (1, 2): "one point",
+          (1, 1, 2): "one point", (3, 2): "three", (3, 1, 2): "three", (5, 2): "five",
           (5, 1, 2): "five"}  # fmt: skip
 
 
@@ -85,7 +89,9 @@ def recognise(
 ) -> str | None:
     """Return the mistake's key in ``MESSAGES``, None for a right result; see :func:`diagnose`."""
     if true is None:
-        return None if found is None else "absent"
+        if found is None:
+            return None
+        return "nothing" if means_nothing(found) else "absent"
     if found is None:
         return "none"
     points = as_outline(found)
@@ -102,11 +108,7 @@ def recognise(
     misfit, name = min(_explained(points, right, guesses), default=(np.inf, ""))
     if error <= NEAR * size and misfit >= NAMED_NEAR:
         return "near"
-    if name:
-        return name
-    if _diagonal(points) < RIGHT * size:
-        return "collapsed"
-    return "far" if is_convex(points) else "folded"
+    return name or _vague(points, right)
 
 
 def _explained(
@@ -126,6 +128,8 @@ def _explained(
 
 
 def _wrong_shape(found: object) -> str:
+    if isinstance(found, tuple | list) and any(as_outline(each) is not None for each in found):
+        return "with more"
     try:
         points: NDArray[Any] = np.asarray(found)
     except (TypeError, ValueError):
@@ -167,6 +171,9 @@ def _guesses(
     if corner_error(nearest_order(box, right), right) > RIGHT * _diagonal(right):
         yield "upright", nearest_order(box, points), 1
     yield "unit", right / scene, 0
+    if points.min() >= 0 and points.max() <= MOST_UINT8 < right.max():
+        half = (MOST_UINT8 + 1) / 2
+        yield "wrapped", points + (right - points + half) % (2 * half) - half, 1
     yield "depth", (corners @ H[:, :2].T + H[:, 2])[:, :2], 0
     yield "flipped", right * (-1, 1) + (scene[0] - 1, 0), 0
     yield "flipped", right * (1, -1) + (0, scene[1] - 1), 0
@@ -186,6 +193,23 @@ def _guesses(
 def _homography(source: Points, target: Points) -> Points:
     found = cv2.getPerspectiveTransform(source.astype(np.float32), target.astype(np.float32))
     return np.asarray(found, np.float64)
+
+
+def _vague(points: Points, right: Points) -> str:
+    """Say at least what kind of outline it is."""
+    if _diagonal(points) < RIGHT * _diagonal(right):
+        return "collapsed"
+    if not is_convex(points):
+        return "folded"
+    margin = NAMED_NEAR * _diagonal(right)
+    inside = all(_signed_distance(right, point) >= -margin for point in points)
+    return "within" if inside else "far"
+
+
+def _signed_distance(outline: Points, point: Points) -> float:
+    """Return how far inside an outline a point is; below zero outside."""
+    x, y = point.tolist()
+    return cv2.pointPolygonTest(outline.astype(np.float32), (x, y), measureDist=True)
 
 
 def _diagonal(points: Points) -> float:

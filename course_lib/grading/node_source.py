@@ -6,6 +6,8 @@ import ast
 import re
 from typing import TYPE_CHECKING
 
+from course_lib.grading.error_hints import hint
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -35,7 +37,14 @@ _HINTS = (
         ),
     ),
     (
-        r"empty\(\)|'NoneType'|2D or 3D point sets",
+        r"The function is not implemented",
+        (
+            "cv2.imshow opens a window, and a robot has no screen: publish the picture instead, or "
+            "open a window only where there is a display."
+        ),
+    ),
+    (
+        r"(?<!mask\.)empty\(\)|'NoneType'|2D or 3D point sets",
         (
             "Something is None or empty here: a template that cv2.imread did not find, the "
             "descriptors of a frame without keypoints, a homography that does not exist. Look "
@@ -70,7 +79,9 @@ def parse(text: str) -> ast.Module:
             raise ValueError(
                 f"is Python 2 (line {error.lineno}): in Python 3, print is a function, print(…)"
             ) from None
-        raise ValueError(f"is not Python (line {error.lineno})") from None
+        raise ValueError(
+            f"is not Python (line {error.lineno}): {str(error.msg)[:_UNTIDY]}"
+        ) from None
     except (ValueError, RecursionError, MemoryError):
         raise ValueError("is not Python") from None
 
@@ -188,7 +199,8 @@ def meaning(error: str) -> str:
         A blank and a sentence or two, or nothing.
     """
     fits = (text for pattern, text in _HINTS if re.search(pattern, error))
-    return next((f" {text}" for text in fits), "")
+    kind, _, message = error.partition(": ")
+    return next((f" {text}" for text in fits), hint(kind.rpartition(".")[2], message))
 
 
 def _imported(tree: ast.Module) -> Iterator[str]:

@@ -44,6 +44,36 @@ def as_outline(found: object) -> NDArray[np.float64] | None:
     return numbers if np.isfinite(numbers).all() else None
 
 
+def means_nothing(found: object) -> bool:
+    """
+    Tell whether a result says "not there", though not by None as was asked.
+
+    Parameters
+    ----------
+    found : object
+        Anything that a submission may return, but None.
+
+    Returns
+    -------
+    bool
+
+    Examples
+    --------
+    >>> [means_nothing(each) for each in ([], False, "not found", [[0, 0]] * 4, [[0, 0], [9, 9]])]
+    [True, True, True, True, False]
+    """
+    if isinstance(found, bool | str):
+        return True
+    try:
+        numbers = np.asarray(found)
+    except (TypeError, ValueError):  # ragged lists
+        return False
+    if numbers.dtype.kind not in "iuf":
+        return numbers.size == 0
+    # One number again and again, such as 0, is no outline; NaN comes of a homography gone wrong.
+    return numbers.size == 0 or not np.ptp(numbers.astype(np.float64))
+
+
 def corner_error(found: object, true: ArrayLike) -> float:
     """
     Return how far four corners are off.
@@ -95,13 +125,27 @@ def reformed(found: object, true: ArrayLike) -> NDArray[np.float64] | None:
     >>> reformed([[0, 0], [9, 0], [9, 9], [0, 9]], [[0, 0], [0, 8], [8, 8], [8, 0]])[1]
     array([0., 9.])
     """
-    shape = getattr(found, "shape", None)
-    # Only what has a shape of its own is reshaped: a nested list may hold anything.
-    flat = np.reshape(np.asarray(found), (4, 2)) if shape in {(4, 1, 2), (1, 4, 2)} else found
-    points = as_outline(flat)
+    points = as_outline(_in_shape(found))
     if points is None or np.abs(points).max() > FARTHEST:
         return None
     return nearest_order(points, np.asarray(true, np.float64))
+
+
+def _in_shape(found: object) -> object:
+    """Return (4, 2) for four corners in another shape; anything else as it is."""
+    if isinstance(found, tuple | list):  # the corners, and the inliers with them
+        return next((each for each in found if as_outline(each) is not None), found)
+    # Only what has a shape of its own is reshaped: a nested list may hold anything.
+    if not isinstance(found, np.ndarray):
+        return found
+    if found.shape in {(4, 1, 2), (1, 4, 2), (8,)}:
+        return found.reshape(4, 2)
+    if found.shape == (2, 4):
+        return found.T
+    # The first once more, to close the outline.
+    if found.shape in {(5, 2), (5, 1, 2)} and np.array_equal(found[0], found[4]):
+        return found[:4].reshape(4, 2)
+    return found
 
 
 def nearest_order(corners: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -20,12 +20,13 @@ if TYPE_CHECKING:
 
 NAME = "unit4"
 TOPIC = "/camera/rgb/image_raw"
-NEEDED = ("rospy", "sensor_msgs", "cv_bridge")
+NEEDED = ("rospy", "sensor_msgs", "geometry_msgs", "cv_bridge")
 # What `course release` leaves where a part is the student's to write.
 _STUB = "Your part:"
 _FOLDERS = ("src/", "scripts/", "nodes/", "")
 _NODE_SECONDS = 40.0
 _CMAKE = ("project(", "find_package(catkin", "catkin_package(")
+_INSTALLED = re.compile(r"\b(?:src|scripts|nodes)/[\w./-]+\.py\b")
 _ERROR_LINE = re.compile(r"^\w[\w.]*(?:Error|Exception|Interrupt|error|: error)\b.*", re.MULTILINE)
 
 
@@ -96,6 +97,13 @@ class Package:
                 f"CMakeLists.txt has no {missing[0]}…). Without it catkin does not build.",
                 0.5 if len(missing) < len(_CMAKE) - 1 else 0.0,
             )
+        for path in _INSTALLED.findall(text):
+            if path not in self._files:
+                raise FaultError(
+                    f"CMakeLists.txt names {path[:80]}, but there is no such file in the package: "
+                    "catkin does not build.",
+                    0.5,
+                )
 
     def check_launch(self, stem: str) -> None:
         """Check a launch file, given its name without suffix, which is its node's.
@@ -280,9 +288,9 @@ def what_went_wrong(run: NodeRun) -> str | None:
         lines = _ERROR_LINE.findall(text)
         if lines:
             last = str(lines[-1])[:300]
-            meaning = node_source.meaning(last)
+            meaning = node_source.meaning(str(lines[-1]))
             return f"{last.rstrip('.')}.{meaning}" if meaning else last
     first, *others = [line for line in (run.error or "").splitlines() if line.strip()] or [""]
     # That it crashed is no news; what follows may be, such as sys.exit's status.
-    told = others[0] if others and first.endswith(" crashed") else first
+    told = others[-1].strip() if others and first.endswith(" crashed") else first
     return told[:300] or None

@@ -30,6 +30,11 @@ if TYPE_CHECKING:
 
 _SECOND_CHANCES = 2  # hangs or deaths of one function before its other calls are not tried
 _NODE_SECONDS = 60.0
+_LAST = 2000  # characters of what a node said, no more than `clean` keeps
+_ENDED = (
+    "it ended its process, or crashed it, as OpenCV does where its objects are not made by their "
+    "own functions, such as cv2.ORB() instead of cv2.ORB_create()"
+)
 _ROS_SECONDS = 60.0  # more, for ROS itself to start and end on a busy machine
 _JPEG = [cv2.IMWRITE_JPEG_QUALITY, 95]
 
@@ -51,7 +56,17 @@ class NotDone(StudentError):  # noqa: N818
 
 
 class Raised(StudentError):  # noqa: N818
-    """The function raised an exception."""
+    """The function raised an exception.
+
+    Attributes
+    ----------
+    on_purpose : bool
+        Whether the student's own line raises it.
+    """
+
+    def __init__(self, message: str, *, on_purpose: bool = False) -> None:
+        super().__init__(message)
+        self.on_purpose = on_purpose
 
 
 class TimedOut(StudentError):  # noqa: N818
@@ -272,8 +287,9 @@ class Student:
                 types={clean(str(n), 100): clean(str(t), 100) for n, t in found["types"].items()},
                 unstamped=frozenset(clean(str(n), 100) for n in found["unstamped"]),
                 files={clean(str(n), 200): _bytes(data) for n, data in found["files"].items()},
-                error=clean(found["error"]) if isinstance(found["error"], str) else None,
-                log=clean(str(found["log"])),
+                # The last line of a traceback says most.
+                error=clean(error[-_LAST:]) if isinstance(error := found["error"], str) else None,
+                log=clean(str(found["log"])[-_LAST:]),
             )
         except (TypeError, KeyError, ValueError, AttributeError, OverflowError) as error:
             raise BadValue(f"What {path} did could not be read.") from error
@@ -293,7 +309,7 @@ class Student:
             raise TimedOut(f"{what} took longer than {seconds:.0f} s and was stopped.") from None
         except KernelGoneError as error:
             self._failures[what] += 1
-            reason = self._notebook.reason_of_death() or clean(str(error)) or "it ended its process"
+            reason = self._notebook.reason_of_death() or clean(str(error)) or _ENDED
             raise Died(
                 f"{what} was running when your notebook's process ended: {reason}."
             ) from None
@@ -325,7 +341,7 @@ def _outcome(what: str, content: Mapping[str, Any], buffers: Sequence[bytes]) ->
     line = clean(str(content.get("line", "")), 300).strip()
     where = f" in the line `{line}`" if line else ""
     said = f"{what} raised {kind}: {message}{where}" if message else f"{what} raised {kind}{where}"
-    raise Raised(f"{said.rstrip('.')}.{hint(kind, message)}")
+    raise Raised(f"{said.rstrip('.')}.{hint(kind, message)}", on_purpose=line.startswith("raise "))
 
 
 def _pairs(found: object) -> list[tuple[str, tuple[bytes, bool]]]:

@@ -14,6 +14,7 @@ from course_lib.grading import published_flight
 from course_lib.grading.answers import Answers
 from course_lib.grading.crops import Crop, find_crop, judge_crop
 from course_lib.grading.geometry import diagnose, expected_outline, well_credit
+from course_lib.grading.mistake_texts import MESSAGES
 from course_lib.grading.student import Student, StudentError
 from course_lib.grading.thresholds import WELL_ENOUGH
 from course_lib.scenes import HeldOutFrame, flight
@@ -140,6 +141,21 @@ class Waterhole:
         """Tell whether the submission finds the well where it is, now and then at least."""
         return self.quality(MATCH_COUNT) >= FINDS
 
+    def finds_nothing(self) -> str | None:
+        """Say so of a submission that returns None even for the template's own picture.
+
+        There no match can be bad: it is what is done with the result.
+        """
+        pictures = [*(frame.image for frame in self.judged), self.template]
+        with suppress(StudentError):
+            found = [
+                self.answers.locate_waterhole(self.template, picture, MATCH_COUNT)
+                for picture in pictures
+            ]
+            if all(each is None for each in found):
+                return MESSAGES["never"].format(thing="waterhole")
+        return None
+
     def _credit(self, frame: HeldOutFrame, match_count: int) -> float:
         try:
             found = self.locate(frame, match_count)
@@ -157,6 +173,7 @@ def judge(
     *,
     home: HeldOutFrame,
     out_of: float = 1.0,
+    nothing: str | None = None,
 ) -> None:
     """Give credit for outlines in frames that show the well; not every one need be right.
 
@@ -175,6 +192,8 @@ def judge(
         no plane does not blur it.
     out_of : float, optional
         The weight of it all.
+    nothing : str, optional
+        What to say instead where nothing is found at all.
     """
     reached, messages = 0.0, []
     for frame in frames:
@@ -192,7 +211,10 @@ def judge(
     grade.add(fraction, out_of=out_of)
     if fraction < 1:
         with suppress(StudentError):
-            messages = _said(find(home), expected(home), size, home) or messages
+            at_home = find(home)
+            messages = _said(at_home, expected(home), size, home) or messages
+            if nothing and at_home is None:
+                messages = [nothing]
         for message in messages:
             grade.note(message)
 

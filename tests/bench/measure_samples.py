@@ -30,6 +30,7 @@ sys.path.append(str(Path(__file__).parents[1] / "grading" / "samples"))
 sys.path.append(str(Path(__file__).parents[1] / "hidden"))
 
 import test_4_1_locate
+import test_4_1_matches
 import test_4_1_parts
 import test_4_2_locate
 import test_4_2_package
@@ -45,7 +46,7 @@ from course_lib.grading.submission import Source, stage
 from course_lib.grading.wire import encode
 
 ABOUT = {
-    "4.1": (test_4_1_parts, test_4_1_locate),
+    "4.1": (test_4_1_parts, test_4_1_matches, test_4_1_locate),
     "4.2": (test_4_2_parts, test_4_2_locate, test_4_2_package),
 }
 

@@ -17,7 +17,7 @@ from course_lib.grading.geometry import (
     outline_overlap,
     well_credit,
 )
-from course_lib.grading.thresholds import MUG, MUG_COVERED, WELL, Tolerance
+from course_lib.grading.thresholds import FORM, MUG, MUG_COVERED, WELL, Tolerance
 
 SQUARE = np.float32([[10, 10], [10, 109], [109, 109], [109, 10]])
 NO_OUTLINE = [
@@ -72,6 +72,8 @@ def test_absence_is_right_only_as_none():
     assert mug_credit(None, None) == well_credit(None, None) == 1
     assert mug_credit(SQUARE, None) == well_credit(SQUARE, None) == 0
     assert mug_credit(np.full((4, 2), np.nan), None) == 0
+    # What says the same in another form is worth what right corners in another form are.
+    assert mug_credit([], None) == well_credit(np.zeros((4, 2)), None) == FORM
 
 
 def test_a_covered_mug_is_allowed_more():

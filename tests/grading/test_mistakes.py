@@ -147,7 +147,7 @@ def test_garbage_is_far_or_folded(view, seed):
     true = mapped(view[0], RECTANGLE)
     assume(corner_error(wrong, true) > 0.5 * np.linalg.norm(np.ptp(true, axis=0)))
     named = recognise(wrong, true, TEMPLATE, SCENE)
-    assert named in {"far", "folded", "collapsed"}
+    assert named in {"far", "folded", "collapsed", "within"}
 
 
 TRUE = mapped(random_homography("plain", np.random.default_rng(1)), RECTANGLE)
@@ -160,6 +160,10 @@ SHAPES = [
     (np.eye(3), "homography"),
     ([10, 20, 30, 40], "box"),
     (TRUE[:3], "three"),
+    (TRUE.mean(axis=0), "one point"),
+    ((TRUE, 57), "with more"),
+    ([TRUE, None], "with more"),
+    (TRUE[[2, 3, 0, 1]] * 0.4 + TRUE.mean(axis=0) * 0.6, "within"),
     (np.vstack([TRUE, TRUE[:1]]), "five"),
     (np.zeros((57, 2)), "matches"),
     (np.zeros((57, 1, 2)), "matches"),
@@ -185,6 +189,23 @@ def test_absence():
     assert recognise(None, None, TEMPLATE, SCENE) is None
     assert recognise(TRUE, None, TEMPLATE, SCENE) == "absent"
     assert "the well is not in this scene" in diagnose(TRUE, None, TEMPLATE, SCENE, thing="well")
+
+
+@pytest.mark.parametrize(
+    "found", [[], (), False, "not found", np.zeros((4, 2)), np.full(4, -1), 0], ids=str
+)
+def test_what_stands_for_nothing_is_not_taken_for_an_outline(found):
+    assert recognise(found, None, TEMPLATE, SCENE) == "nothing"
+
+
+@pytest.mark.parametrize("found", [TRUE, TRUE[:, None], np.full((4, 2), np.nan), {"corners": 1}])
+def test_what_does_not_stand_for_nothing(found):
+    assert recognise(found, None, TEMPLATE, SCENE) == "absent"
+
+
+def test_corners_as_uint8_wrap_round():
+    assert TRUE.max() > 256
+    assert recognise(TRUE.astype(np.int64) % 256, TRUE, TEMPLATE, SCENE) == "wrapped"
 
 
 def test_every_text_can_be_filled_and_holds_no_number_of_the_scene():

@@ -48,6 +48,7 @@ def test_what_cannot_start_is_named(old, new, said):
         ("rospy.Subscriber(", "print(", "rospy.Subscriber is missing"),
         ("rospy.spin()", "print 'on'", "Python 2"),
         ("rospy.spin()", "rospy.spin(", "is not Python"),
+        ("    kp2, des2", "\tkp2, des2", "inconsistent use of tabs"),
     ],
 )
 def test_why_a_node_is_silent_is_named(old, new, said):
@@ -59,6 +60,9 @@ def test_errors_are_explained_as_a_node_needs_it():
     assert "def callback(message)" in meaning(
         "TypeError: callback() missing 1 required positional argument: 'msg'"
     )
+    assert "a robot has no screen" in meaning("cv2.error: … The function is not implemented. Re…")
+    # What means the same as in a notebook is told in the same words.
+    assert "ratio test" in meaning("cv2.error: OpenCV(5.0.0) K == 1 && update == 0 && mask.empty()")
     assert meaning("RuntimeError: no idea") == ""
 
 

@@ -5,20 +5,29 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from course_lib.grading.geometry import as_outline, diagnose
+from course_lib.grading.geometry import absent_credit, as_outline, diagnose
 from course_lib.grading.rubric import points
 from course_lib.grading.student import StudentError
 from course_lib.grading.waterhole import OTHER_TEMPLATE, Waterhole, judge
 
 EXERCISE = "4.2"
 ENDS = (3, 4, 1000)
+FEWEST = 3  # matches: no homography follows from so few
 
 
 @points(1.5, "4.2.3", "locate_waterhole finds the waterhole in a flight you have not seen")
 def test_unseen_flight(student, grade, seeds):
     """With the student's own crop as the template. Not every frame need be right."""
     hole = Waterhole(student, seeds)
-    judge(grade, hole.judged, hole.locate, hole.expected, hole.template.shape, home=hole.home)
+    judge(
+        grade,
+        hole.judged,
+        hole.locate,
+        hole.expected,
+        hole.template.shape,
+        home=hole.home,
+        nothing=hole.finds_nothing(),
+    )
     if not hole.crop.usable:
         grade.note(OTHER_TEMPLATE)
     for frame in hole.judged[::3]:
@@ -39,19 +48,27 @@ def test_nothing_to_find(student, grade, seeds):
         with grade.attempt():
             found = hole.locate(frame)
             wrong = diagnose(found, None, hole.template.shape, frame.image.shape, thing="waterhole")
-            grade.add(float(found is None), message=wrong)
+            grade.add(absent_credit(found), message=wrong)
             grade.scene("no waterhole", _drawn(hole, frame))
     blank = np.full_like(hole.judged[0].image, 200)
     with grade.attempt():
         found = student.locate_waterhole(hole.template, blank, 100)
         said = None if found is None else "An outline was returned for a blank picture."
-        grade.add(float(found is None), message=said)
+        if found is not None and absent_credit(found):
+            said = diagnose(found, None, hole.template.shape, blank.shape, thing="waterhole")
+        grade.add(absent_credit(found), message=said)
     for count in ENDS:
         with grade.attempt(out_of=0.5):
             found = hole.locate(hole.judged[0], count)
-            fine = found is None or (count > 3 and as_outline(found) is not None)
+            outline = as_outline(found) is not None
+            fine = 1.0 if outline and count > FEWEST else absent_credit(found)
             said = f"With match_count={count}, return four corners (4, 2), or None."
-            grade.add(float(fine), out_of=0.5, message=None if fine else said)
+            if outline:
+                said = (
+                    f"With match_count={count} an outline was returned, though a homography needs "
+                    "four matches. Does your function use its argument match_count?"
+                )
+            grade.add(fine, out_of=0.5, message=None if fine == 1 else said)
     if not finds:
         grade.lose("Saying None counts once the waterhole is found in the frames that show it.")
 

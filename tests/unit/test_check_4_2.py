@@ -53,7 +53,7 @@ def best_match_count(template, frames, candidates=range(4, 1001, 18)):
 PACKAGE = {
     "package.xml": '<?xml version="1.0"?>\n<package format="2"><name>unit4</name>'
     "<exec_depend>rospy</exec_depend><exec_depend>sensor_msgs</exec_depend>"
-    "<exec_depend>cv_bridge</exec_depend></package>",
+    "<exec_depend>geometry_msgs</exec_depend><exec_depend>cv_bridge</exec_depend></package>",
     "CMakeLists.txt": "cmake_minimum_required(VERSION 3.0)\nproject(unit4)\n"
     "find_package(catkin REQUIRED)\ncatkin_package()\n",
     "src/exercise4_2_1.py": "#!/usr/bin/env python3\nimport rospy\n\n"
