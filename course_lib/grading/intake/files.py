@@ -48,12 +48,15 @@ class Copier:
         For the student.
     events : list of str
         For the instructor: what looks like an attack or an accident.
+    left_out : list of (str, str)
+        Names of files that were not copied, and why, in words that follow the name.
     """
 
     def __init__(self, into: Path) -> None:
         self.into = into
         self.notes: list[str] = []
         self.events: list[str] = []
+        self.left_out: list[tuple[str, str]] = []
         self._bytes = 0
         self._files = 0
         self._full = False
@@ -237,6 +240,7 @@ class Copier:
 
     def _left_out(self, name: str, reason: str) -> None:
         if len(self.events) < 50:
+            self.left_out.append((name, reason))
             self.events.append(f"left out {clean(name, 100)!r}: {reason}")
 
 

@@ -142,8 +142,10 @@ def _json(text: str) -> Any:  # noqa: ANN401
                 f"ends in the middle (line {error.lineno}): it was not saved or sent completely"
             ) from error
         raise UnreadableError(f"is not a notebook: {error.msg} in line {error.lineno}") from error
-    except (RecursionError, ValueError) as error:
+    except RecursionError as error:
         raise UnreadableError("is not a notebook: it is nested too deeply") from error
+    except ValueError as error:  # thousands of digits
+        raise UnreadableError("is not a notebook: it holds a number without end") from error
 
 
 def _cells(content: Any) -> Iterator[tuple[str, str]]:  # noqa: ANN401
