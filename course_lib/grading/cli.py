@@ -101,6 +101,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run ``course grade``; return the exit status."""
+    os.umask(os.umask(0) & 0o077)  # who makes a folder must be able to work in it
     with _interruptible():
         nursery = None
         try:
