@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import errno
 import json
 
 import nbformat
 import pytest
 from nbformat.v4 import new_code_cell, new_notebook
 
+from course_lib.grading.intake.files import Copier
 from course_lib.grading.submission import Source, find_submissions, passed_over, stage
 
 BODIES = {
@@ -105,3 +107,16 @@ def test_a_number_without_end_is_not_called_deep(tmp_path):
     (tmp_path / "in" / "exercise_4_1.ipynb").write_text('{"nbformat": ' + "9" * 100_000 + "}")
     found = stage(Source("student", (tmp_path / "in",)), tmp_path / "staged")
     assert "it holds a number without end" in found.problems["4.1"]
+
+
+def test_a_full_disk_is_not_the_files_fault(tmp_path, monkeypatch):
+    """A file left out for it would cost its student the points, and no later run would look."""
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in" / "exercise_4_1.ipynb").write_text("{}")
+
+    def full(*_, **__):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(Copier, "_write", full)
+    with pytest.raises(OSError, match="No space left"):
+        stage(Source("student", (tmp_path / "in",)), tmp_path / "staged")

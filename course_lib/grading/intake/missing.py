@@ -11,7 +11,7 @@ from course_lib.grading.text import clean
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from pathlib import Path
+    from pathlib import Path, PurePath
 
 # What `Copier` does not open; students' programs make them.
 PACKED = (".7z", ".rar", ".gz", ".bz2", ".xz", ".zst", ".lzma", ".tbz2", ".txz", ".zipx")
@@ -19,7 +19,7 @@ _MOST_NAMES = 5
 _MOST_NAME = 60
 
 
-def is_packed(path: PurePosixPath) -> bool:
+def is_packed(path: PurePath) -> bool:
     """Tell whether a file is an archive, or one packed file, of a kind that is not opened."""
     name = path.name.lower()
     return name.endswith(PACKED) and not name.endswith(ARCHIVES)

@@ -14,7 +14,7 @@ from course_lib.grading.text import clean
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from pathlib import Path
+    from pathlib import Path, PurePath
 
     from nbformat import NotebookNode
 
@@ -72,7 +72,7 @@ class Found:
         )
 
 
-def named_for_another(path: Path, exercise: str) -> bool:
+def named_for_another(path: PurePath, exercise: str) -> bool:
     """Tell whether a file's name speaks of another exercise, and not of this one."""
     numbers = _FILE_NAME.findall(path.stem)
     return bool(numbers) and exercise[-1] not in numbers
