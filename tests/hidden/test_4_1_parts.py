@@ -21,6 +21,8 @@ SAME_PICTURE = 12.0
 LEAST_KEYPOINTS = 50
 # From this share of rows on that ORB gives again, they are ORB's.
 SURELY_ORB = 0.6
+# Detectors describe nearly every place of a picture in another way.
+LEAST_DISTINCT = 0.5
 
 
 @points(1, "4.1.1", "The notebook runs from top to bottom")
@@ -137,6 +139,12 @@ def test_find_keypoints(student, grade, seeds):
         "Some keypoints lie outside the picture that was given. Does find_keypoints use its "
         "argument, in its own size?",
     )
+    distinct = len({row.tobytes() for row in descriptors})
+    grade.check(
+        distinct >= LEAST_DISTINCT * len(keypoints),
+        "Most rows of the descriptors are the same: they should describe what is around each "
+        "keypoint.",
+    )
     many = min(1.0, len(keypoints) / LEAST_KEYPOINTS)
     few = "There are very few keypoints. Is the picture right that reaches the detector?"
     grade.add(many, out_of=0.8, message=few if many < 1 else None)
@@ -236,4 +244,6 @@ def test_match_keypoints(student, grade, seeds):
         "Few of your best matches are right. Is the norm that of the descriptors, do descriptors "
         "and keypoints belong together, and are all matches sorted?"
     )
-    grade.add(right, out_of=0.3, message=astray if right < 1 else None)
+    grade.add(right, out_of=0.3, message=astray if 0 < right < 1 else None)
+    if not right:  # in order, and each once, is also what was made up
+        grade.lose(astray)

@@ -13,10 +13,6 @@ class SandboxError(RuntimeError):
     """The sandbox itself failed; not the submission's fault."""
 
 
-class NoKernelError(RuntimeError):
-    """A kernel was started and does not answer: files of the submission may be why."""
-
-
 class NoSandboxError(RuntimeError):
     """Nothing here can hold a stranger's code."""
 

@@ -20,7 +20,7 @@ from jupyter_client.manager import KernelManager
 
 from course_lib.grading.sandbox import places
 from course_lib.grading.sandbox.box import Box
-from course_lib.grading.sandbox.choice import NoKernelError, SandboxError, choose
+from course_lib.grading.sandbox.choice import SandboxError, choose
 from course_lib.grading.sandbox.limits import Limits
 from course_lib.grading.sandbox.provisioner import SandboxProvisioner
 
@@ -190,7 +190,7 @@ class SandboxedKernel:
                 _empty(client)
                 return client
         reason = ", ".join(self.events) or "no answer"
-        raise NoKernelError(f"the kernel did not start: {reason}")
+        raise SandboxError(f"the kernel did not start: {reason}")
 
     def is_alive(self) -> bool:
         """Tell whether the kernel's process lives."""
