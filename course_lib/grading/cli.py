@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import os
 import re
 import signal
 import sys
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 EXERCISES = ("4.1", "4.2")
 TESTS = Path(__file__).resolve().parents[2] / "tests" / "hidden"
 _USAGE, _INTERRUPTED = 2, 130
+_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 _ROS_PROCESSES = 192  # and threads: ROS's own are many
 _BYTES = {"": 1, "k": 2**10, "m": 2**20, "g": 2**30, "t": 2**40}
 
@@ -99,17 +101,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run ``course grade``; return the exit status."""
-    # Imported late, so that --help is there at once.
-    from course_lib.grading.nursery import Nursery  # noqa: PLC0415
+    os.umask(os.umask(0) & 0o077)  # who makes a folder must be able to work in it
+    with _interruptible():
+        nursery = None
+        try:
+            # Imported late, so that --help is there at once.
+            from course_lib.grading.nursery import Nursery  # noqa: PLC0415
 
-    # It warms up while this process does, too.
-    nodes = "4.2" in (args.exercise or EXERCISES)
-    nursery = None if args.scheduler else Nursery(nodes=nodes)
-    try:
-        return _run(args, nursery)
-    finally:
-        if nursery:
-            nursery.close()
+            # It warms up while this process does, too.
+            if not args.scheduler:
+                nursery = Nursery(nodes="4.2" in (args.exercise or EXERCISES))
+            return _run(args, nursery)
+        except KeyboardInterrupt:
+            note = "interrupted; what was graded is kept. Run the same command again to go on"
+            return _fail(note, _INTERRUPTED)
+        finally:
+            _hear_no_more()
+            if nursery:
+                nursery.close()
 
 
 def _run(args: argparse.Namespace, nursery: Nursery | None) -> int:
@@ -123,19 +132,18 @@ def _run(args: argparse.Namespace, nursery: Nursery | None) -> int:
     from course_lib.grading.sandbox import NoSandboxError  # noqa: PLC0415
 
     try:
-        with _interruptible():
-            options, backend = _prepare(args, nursery)
-            outcome = grade_class(options, backend, Shown(verbose=args.verbose))
+        options, backend = _prepare(args, nursery)
+        outcome = grade_class(options, backend, Shown(verbose=args.verbose))
     except (UsageError, NoSandboxError, seed_file.SeedFileError, ClusterError) as error:
         return _fail(str(error), _USAGE)
     except WorkerError as error:
         return _fail(f"no worker can start: {error}", 1)
     except OSError as error:
         return _fail(f"{error}. What was graded is kept; run the same command again", 1)
-    except KeyboardInterrupt:
-        note = "interrupted; what was graded is kept. Run the same command again to go on"
-        return _fail(note, _INTERRUPTED)
-    _report(args.out, outcome)
+    try:
+        _report(args.out, outcome)
+    except OSError:  # nobody reads it, or it goes to a full disk: all results are written
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what is still to be said at exit goes there
     return outcome.status
 
 
@@ -221,35 +229,42 @@ def _report(out: Path, outcome: Outcome) -> None:
     print(", ".join(parts))  # noqa: T201
     for student, reason in outcome.failures.items():
         print(f"  {line(student)}: {line(reason)}")  # noqa: T201
-    if outcome.gone:
-        names = ", ".join(line(name, 60) for name in outcome.gone[:10])
-        more = f" and {len(outcome.gone) - 10} more" if len(outcome.gone) > 10 else ""
-        print(f"results kept of who is no longer among the submissions: {names}{more}")  # noqa: T201
+    for what, names in (
+        ("results kept of who is no longer among the submissions", outcome.gone),
+        ("taken for nobody's submission", outcome.passed_over),
+    ):
+        more = f" and {len(names) - 10} more" if len(names) > 10 else ""
+        if names:
+            print(f"{what}: {', '.join(line(name, 60) for name in names[:10])}{more}")  # noqa: T201
     print(f"class:    {out / 'index.html'}\ngrades:   {out / 'grades.csv'}")  # noqa: T201
-    print(f"students: {out / 'STUDENT' / 'report.html'}")  # noqa: T201
+    print(f"students: {out / 'STUDENT' / 'report.html'}", flush=True)  # noqa: T201
 
 
 def _fail(message: str, status: int) -> int:
-    print(f"course grade: {message}", file=sys.stderr)  # noqa: T201
+    with suppress(OSError):  # the terminal may be gone
+        print(f"course grade: {message}", file=sys.stderr)  # noqa: T201
     return status
 
 
 @contextmanager
 def _interruptible() -> Iterator[None]:
     """Let Ctrl-C and a request to end interrupt once; ending takes its time undisturbed."""
-    numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
     def interrupt(_number: int, _frame: FrameType | None) -> None:
-        for number in numbers:
-            signal.signal(number, signal.SIG_IGN)
+        _hear_no_more()
         raise KeyboardInterrupt
 
-    before = {number: signal.signal(number, interrupt) for number in numbers}
+    before = {number: signal.signal(number, interrupt) for number in _SIGNALS}
     try:
         yield
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+def _hear_no_more() -> None:
+    for number in _SIGNALS:
+        signal.signal(number, signal.SIG_IGN)
 
 
 def _count(text: str) -> int:

@@ -25,6 +25,8 @@ _DTYPES, _MOST = (np.uint8, np.float32), 6000
 # The share of partners that are used once: a ratio test at 0.85 or less leaves 0.7 and more (ORB,
 # AKAZE, SIFT over four seeds), no test at all 0.45 to 0.55.
 ALL_ONCE, NONE_ONCE = 0.7, 0.55
+# Detectors describe nearly every place of a picture in another way.
+LEAST_DISTINCT = 0.5
 
 
 class MatchList:
@@ -136,6 +138,11 @@ class MatchList:
         """Return 1 when hardly any keypoint has two partners, 0 when many have."""
         once = min(len(np.unique(side)) / len(side) for side in (self._query, self._train))
         return float(np.clip((once - NONE_ONCE) / (ALL_ONCE - NONE_ONCE), 0, 1))
+
+
+def share_distinct(descriptors: NDArray[Any]) -> float:
+    """Return which share of the rows is unlike those before."""
+    return len({row.tobytes() for row in descriptors}) / max(1, len(descriptors))
 
 
 def _can_be_matched(query: NDArray[Any], train: NDArray[Any]) -> bool:

@@ -79,9 +79,8 @@ def parse(text: str) -> ast.Module:
             raise ValueError(
                 f"is Python 2 (line {error.lineno}): in Python 3, print is a function, print(…)"
             ) from None
-        raise ValueError(
-            f"is not Python (line {error.lineno}): {str(error.msg)[:_UNTIDY]}"
-        ) from None
+        where = f" (line {error.lineno})" if error.lineno else ""  # none for a null byte
+        raise ValueError(f"is not Python{where}: {str(error.msg)[:_UNTIDY]}") from None
     except (ValueError, RecursionError, MemoryError):
         raise ValueError("is not Python") from None
 

@@ -15,7 +15,7 @@ import numpy as np
 from PIL import Image, UnidentifiedImageError
 
 from course_lib.grading.channel import Channel, KernelGoneError, Message
-from course_lib.grading.sandbox import places
+from course_lib.grading.sandbox import SandboxError, places
 from course_lib.grading.scratch import remove
 from course_lib.grading.student import Cell
 from course_lib.grading.text import clean
@@ -98,6 +98,8 @@ class Notebook:
         ------
         KernelGoneError
             When kernels died too often, or time is up.
+        SandboxError
+            When there is no sandbox for a new one.
         """
         if self._channel and self._kernel and not self._channel.ended and self._kernel.is_alive():
             return self._channel
@@ -105,9 +107,7 @@ class Notebook:
         if self._starts >= _MOST_STARTS or not self.seconds_left():
             raise KernelGoneError("it had died too often, or the time for this submission was up")
         self._starts += 1
-        remove(self._folder)
-        shutil.copytree(self._original, self._folder)
-        places.lay_out_pictures(self._folder)
+        self._lay_out()
         self._kernel = self._launcher.kernel(self._folder)
         self._channel = Channel(self._kernel, self._limits.output_bytes)
         for source in list(self._sources):
@@ -115,6 +115,14 @@ class Notebook:
                 self._sources.remove(source)
                 return self.channel()
         return self._channel
+
+    def _lay_out(self) -> None:
+        remove(self._folder)
+        try:
+            shutil.copytree(self._original, self._folder)
+            places.lay_out_pictures(self._folder)
+        except OSError as error:  # the disk is full: staged files are plain
+            raise SandboxError(f"the working folder could not be made: {error}") from error
 
     def _execute_again(self, source: str) -> bool:
         if self._channel is None:

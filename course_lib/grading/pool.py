@@ -79,7 +79,11 @@ class Pool:
                 for key, _ in self._selector.select():
                     yield from self._hear(key.fileobj)  # type: ignore[arg-type]
         finally:
-            self._close()
+            try:
+                self._close()
+            except KeyboardInterrupt:  # the only one: the next are not heard
+                self._close()
+                raise
 
     def _add(self) -> None:
         if not self._nurseries or not self._nurseries[-1].is_alive():

@@ -39,6 +39,13 @@ class Progress(Protocol):
         """Tell that no more will come."""
 
 
+class _Console(Console):
+    """Goes quiet when nobody reads it any more, where rich would end the program."""
+
+    def on_broken_pipe(self) -> None:
+        self.quiet = True
+
+
 class Shown:
     """Shows progress to people.
 
@@ -51,7 +58,7 @@ class Shown:
     """
 
     def __init__(self, console: Console | None = None, *, verbose: bool = False) -> None:
-        self._console = console or Console(stderr=True, highlight=False)
+        self._console = console or _Console(stderr=True, highlight=False)
         self._verbose = verbose
         self._live: Live | None = None
         self._running: dict[str, float] = {}
@@ -62,9 +69,7 @@ class Shown:
         """Begin."""
         self._total, self._begun = total, time.monotonic()
         if outcome.unchanged:
-            self._console.print(
-                f"{len(outcome.unchanged)} unchanged, not graded again", markup=False
-            )
+            self._say(f"{len(outcome.unchanged)} unchanged, not graded again")
         if total and self._console.is_terminal:
             self._live = Live(
                 get_renderable=self._bar,
@@ -95,7 +100,7 @@ class Shown:
         if self._live is None and self._left():
             parts.append(self._left())
         if self._live is None or self._verbose or unchecked != "graded":
-            self._console.print("  ".join(parts), markup=False, soft_wrap=True)
+            self._say("  ".join(parts))
 
     def stop(self) -> None:
         """Take the bar away."""
@@ -103,6 +108,10 @@ class Shown:
             with suppress(OSError):  # the terminal may be gone
                 self._live.stop()
             self._live = None
+
+    def _say(self, text: str) -> None:
+        with suppress(OSError):  # a full disk or a lost terminal costs the line, not the run
+            self._console.print(text, markup=False, soft_wrap=True)
 
     def _left(self) -> str:
         if not self._done or self._done >= self._total:

@@ -15,7 +15,7 @@ from course_lib.grading.fingerprint import Fingerprints
 from course_lib.grading.messages import Finished, Settings, Started, Task
 from course_lib.grading.results import SubmissionResult
 from course_lib.grading.sandbox.places import seen_by_students
-from course_lib.grading.submission import find_submissions
+from course_lib.grading.submission import find_submissions, passed_over
 from course_lib.grading.summary import INSTRUCTOR, graded
 
 if TYPE_CHECKING:
@@ -76,12 +76,15 @@ class Outcome:
         and are graded anew by the next run.
     gone : list of str
         Folders of results whose students are no longer among the submissions; kept.
+    passed_over : list of str
+        What lies among the submissions and was taken for none.
     """
 
     graded: list[str] = field(default_factory=list)
     unchanged: list[str] = field(default_factory=list)
     failures: dict[str, str] = field(default_factory=dict)
     gone: list[str] = field(default_factory=list)
+    passed_over: list[str] = field(default_factory=list)
 
     @property
     def status(self) -> int:
@@ -113,7 +116,9 @@ def grade_class(options: Options, backend: Backend, progress: Progress) -> Outco
     """
     sources = _sources(options)
     with _locked(options.out):
-        outcome = Outcome(gone=_gone(options.out, sources))
+        outcome = Outcome(
+            gone=_gone(options.out, sources), passed_over=passed_over(options.submissions)
+        )
         tasks = _tasks(options, sources, outcome)
         progress.start(len(tasks), outcome)
         page = _ClassPage(options.out)

@@ -23,6 +23,7 @@ from course_lib.grading.error_hints import hint
 from course_lib.grading.notebook import NbvalKernel, Notebook
 from course_lib.grading.results import Picture, SubmissionResult, TestResult
 from course_lib.grading.rubric import Grade, GradeFailed
+from course_lib.grading.sandbox import SandboxError
 from course_lib.grading.scratch import working_folder
 from course_lib.grading.seeds import Seeds
 from course_lib.grading.similarity import of_submission
@@ -89,6 +90,11 @@ def grade_one(job: Job, launcher: Launcher) -> SubmissionResult:
     Returns
     -------
     SubmissionResult
+
+    Raises
+    ------
+    SandboxError
+        When there is no sandbox to grade it in: that is no result, and may be tried again.
     """
     started = time.monotonic()
     with working_folder() as scratch:
@@ -98,6 +104,8 @@ def grade_one(job: Job, launcher: Launcher) -> SubmissionResult:
             _run_pytest(job, plugin)
         finally:
             plugin.close()
+        if plugin.broken:
+            raise plugin.broken
         plugin.events += submission.events
         return SubmissionResult(
             student=job.student,
@@ -158,6 +166,7 @@ class _Grading:
         self.pictures: list[Picture] = []
         self.scenes: list[Picture] = []
         self.events: list[str] = []
+        self.broken: SandboxError | None = None
         self._launcher = launcher
         self._scratch = scratch
         self._deadline = started + self.limits.wall_s
@@ -243,6 +252,9 @@ class _Grading:
     ) -> Iterator[None]:
         """Keep what came of a cell or of a hidden test."""
         report = yield
+        if call.excinfo and isinstance(call.excinfo.value, SandboxError):
+            self.broken = call.excinfo.value
+            item.session.shouldstop = "the sandbox fails"
         if isinstance(item, IPyNbCell):
             if call.when == "call":
                 self._keep_cell(item, call)

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 
 import nbformat
 
-from course_lib.grading.intake import notebooks
+from course_lib.grading.intake import missing, notebooks
 from course_lib.grading.intake.files import ARCHIVES, Copier, safe_name, tree
 from course_lib.grading.text import clean
 
@@ -105,21 +105,34 @@ def find_submissions(root: Path) -> list[Source]:
         raise NotADirectoryError(f"{root} is a file; give the folder that holds the submissions")
     found: dict[str, list[Path]] = {}
     for path in sorted(root.iterdir()):
-        name = path.name
-        if name.startswith((".", "_")):
-            continue
-        suffix = next((s for s in ARCHIVES if name.lower().endswith(s)), None)
-        if path.is_dir() or path.is_symlink():
-            label = name
-        elif suffix:
-            label = name[: -len(suffix)]
-        elif path.suffix.lower() in {".ipynb", ".py"}:
-            match = _LOOSE.match(path.stem)
-            label = match[1] if match and match[1] else path.stem
-        else:
-            continue
-        found.setdefault(_label(label), []).append(path)
+        student = _student(path)
+        if student is not None:
+            found.setdefault(_label(student), []).append(path)
     return [Source(student, tuple(paths)) for student, paths in sorted(found.items())]
+
+
+def passed_over(root: Path) -> list[str]:
+    """List what lies in a folder of submissions and is taken for none, hidden files apart."""
+    paths = sorted(path for path in root.iterdir() if not path.name.startswith("."))
+    return [path.name for path in paths if _student(path) is None]
+
+
+def _student(path: Path) -> str | None:
+    """Tell whose submission something is, from its name; None when it looks like none."""
+    name = path.name
+    if name.startswith((".", "_")):
+        return None
+    if path.is_dir() or path.is_symlink():
+        return name
+    suffix = next((s for s in (*ARCHIVES, *missing.PACKED) if name.lower().endswith(s)), None)
+    if suffix in ARCHIVES:
+        return name[: -len(suffix)]
+    # A notebook, or what became of it: exercise_4_1.ipynb.txt, exercise_4_1.pdf. Or an archive
+    # that nobody here can open: its student must learn so.
+    match = _LOOSE.match(path.stem)
+    if match or suffix or path.suffix.lower() in {".ipynb", ".py"}:
+        return match[1] if match and match[1] else path.stem
+    return None
 
 
 def _label(name: str) -> str:
@@ -162,16 +175,11 @@ def stage(source: Source, into: Path) -> Submission:
     for exercise in notebooks.FUNCTIONS:
         best = max(found, key=lambda f: f.belongs_to(exercise), default=None)
         if best is None or not any(best.belongs_to(exercise)[:3]):
-            missing = f"There is no notebook of Exercise {exercise} in your submission."
-            about = {
-                clean(path.name, 100): said
-                for path, said in broken
-                if not notebooks.named_for_another(path, exercise)
-            }
-            problems[exercise] = " ".join([missing, *about.values()])
+            problems[exercise] = missing.describe(exercise, copier, broken)
             copier.events += [
-                f"{name} could not be read, and nothing else is Exercise {exercise}"
-                for name in about
+                f"{clean(path.name, 90)} could not be read, and nothing else is Exercise {exercise}"
+                for path, _ in broken
+                if not notebooks.named_for_another(path, exercise)
             ]
             continue
         chosen[exercise] = best

@@ -9,6 +9,7 @@ import stat
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -24,7 +25,7 @@ from course_lib.grading.messages import (
     from_message,
     to_message,
 )
-from course_lib.grading.progress import Shown, for_people
+from course_lib.grading.progress import Shown, _Console, for_people
 from course_lib.grading.results import Picture, SubmissionResult, TestResult
 from course_lib.grading.runner import Outcome
 from course_lib.grading.sandbox import Limits
@@ -303,6 +304,21 @@ def test_progress_in_plain_lines():
     assert "1.5 of 2 points  memory limit of 2 GiB" in shown(result, verbose=True)
     lost = replace(result, tests=(replace(test, status="not_checked"),))
     assert "not checked: it broke" in shown(lost, verbose=False, failure="it broke")
+
+
+def test_a_run_that_nobody_reads_goes_on():
+    """`course grade … 2>&1 | head` is no reason to stop grading, nor is a full disk."""
+    reading, writing = os.pipe()
+    os.close(reading)
+    full = os.open("/dev/full", os.O_WRONLY)
+    for target in (os.fdopen(writing, "w"), os.fdopen(full, "w")):
+        progress = Shown(_Console(file=target))
+        progress.start(1, Outcome(unchanged=["x"]))
+        progress.started("ann")
+        progress.finished(Finished(SubmissionResult("ann", ())))
+        progress.stop()
+        with suppress(OSError):
+            target.close()
 
 
 @pytest.mark.parametrize(

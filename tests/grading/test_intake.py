@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import zipfile
 
@@ -9,7 +10,8 @@ import nbformat
 import pytest
 from nbformat.v4 import new_code_cell, new_notebook
 
-from course_lib.grading.submission import Source, stage
+from course_lib.grading.intake.files import Copier
+from course_lib.grading.submission import Source, find_submissions, passed_over, stage
 
 BODIES = {
     "4.1": ("load_images", "find_keypoints", "match_keypoints", "locate_mug"),
@@ -83,3 +85,53 @@ def test_a_package_whose_files_lie_beside_the_notebook_is_taken(tmp_path):
     assert (found.folder / "unit4" / "package.xml").is_file()
     assert (found.folder / "unit4" / "src" / "exercise4_2_1.py").is_file()
     assert any("beside the notebook" in note for note in found.notes)
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("exercise_4_1.ipynb.txt", "It holds exercise_4_1.ipynb.txt: a notebook's name ends with"),
+        ("work.7z", "Of archives, .zip and .tar.gz are opened"),
+        (".ipynb_checkpoints", "It holds no files"),
+    ],
+)
+def test_what_is_no_notebook_is_named(tmp_path, name, said):
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in" / name).write_text("x")
+    found = stage(Source("student", (tmp_path / "in",)), tmp_path / "staged")
+    assert said in found.problems["4.1"]
+
+
+def test_a_link_is_named_to_the_student(tmp_path):
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in" / "exercise_4_1.ipynb").symlink_to("/etc/passwd")
+    found = stage(Source("student", (tmp_path / "in",)), tmp_path / "staged")
+    assert "exercise_4_1.ipynb is a symbolic link and was left out." in found.problems["4.1"]
+    assert "symbolic link" not in found.problems["4.2"]
+
+
+def test_who_sends_what_nobody_opens_is_among_the_students(tmp_path):
+    for name in ("ada.7z", "bob.rar", "eve_exercise_4_1.ipynb.txt", "roster.csv", "README.md"):
+        (tmp_path / name).write_text("x")
+    assert [source.student for source in find_submissions(tmp_path)] == ["ada", "bob", "eve"]
+    assert passed_over(tmp_path) == ["README.md", "roster.csv"]
+
+
+def test_a_number_without_end_is_not_called_deep(tmp_path):
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in" / "exercise_4_1.ipynb").write_text('{"nbformat": ' + "9" * 100_000 + "}")
+    found = stage(Source("student", (tmp_path / "in",)), tmp_path / "staged")
+    assert "it holds a number without end" in found.problems["4.1"]
+
+
+def test_a_full_disk_is_not_the_files_fault(tmp_path, monkeypatch):
+    """A file left out for it would cost its student the points, and no later run would look."""
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in" / "exercise_4_1.ipynb").write_text("{}")
+
+    def full(*_, **__):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(Copier, "_write", full)
+    with pytest.raises(OSError, match="No space left"):
+        stage(Source("student", (tmp_path / "in",)), tmp_path / "staged")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from course_lib.grading.matched import MatchList
+from course_lib.grading.matched import LEAST_DISTINCT, MatchList, share_distinct
 from course_lib.grading.rubric import points
 from course_lib.grading.student import StudentError
 from course_lib.homography import project
@@ -74,3 +74,6 @@ def test_match_keypoints(student, grade, seeds):
         "and keypoints belong together, and are all matches sorted?"
     )
     grade.add(right, out_of=0.3, message=astray if right < 1 else None)
+    if not right and share_distinct(query) < LEAST_DISTINCT:
+        # In order, and each once, is also what was made up.
+        grade.lose("Most descriptors are the same, so their matches say nothing.")

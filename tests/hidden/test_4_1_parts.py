@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 
 from course_lib import images
+from course_lib.grading.matched import LEAST_DISTINCT, share_distinct
 from course_lib.grading.rubric import points
 from course_lib.grading.student import Missing, NotDone, StudentError
 from course_lib.scenes import mug_scene
@@ -140,6 +141,11 @@ def test_find_keypoints(student, grade, seeds):
         inside.all(),
         "Some keypoints lie outside the picture that was given. Does find_keypoints use its "
         "argument, in its own size?",
+    )
+    grade.check(
+        len(descriptors) == 0 or share_distinct(descriptors) >= LEAST_DISTINCT,
+        "Most rows of the descriptors are the same: they should describe what is around each "
+        "keypoint.",
     )
     many = min(1.0, len(keypoints) / LEAST_KEYPOINTS)
     few = "There are very few keypoints. Is the picture right that reaches the detector?"

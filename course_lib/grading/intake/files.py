@@ -6,6 +6,7 @@ What is left out is told, not raised: one odd file must not cost a student the r
 
 from __future__ import annotations
 
+import errno
 import os
 import stat
 import tarfile
@@ -27,6 +28,7 @@ MOST_DEPTH = 10
 _MOST_ENTRIES = 20_000
 _MOST_NAME = 150
 _CHUNK = 1 << 16
+_OURS = {errno.ENOSPC, errno.EDQUOT, errno.EMFILE, errno.ENFILE, errno.ENOMEM}
 _JUNK = frozenset(
     ["__MACOSX", ".DS_Store", ".ipynb_checkpoints", ".git", "node_modules", "venv", ".venv"]
     + ["__pycache__", "Thumbs.db", "desktop.ini", ".idea", ".vscode", ".pytest_cache"]
@@ -48,12 +50,15 @@ class Copier:
         For the student.
     events : list of str
         For the instructor: what looks like an attack or an accident.
+    left_out : list of (str, str)
+        Names of files that were not copied, and why, in words that follow the name.
     """
 
     def __init__(self, into: Path) -> None:
         self.into = into
         self.notes: list[str] = []
         self.events: list[str] = []
+        self.left_out: list[tuple[str, str]] = []
         self._bytes = 0
         self._files = 0
         self._full = False
@@ -65,6 +70,11 @@ class Copier:
         ----------
         path : Path
             What a student handed in.
+
+        Raises
+        ------
+        OSError
+            When the grader's own disk is full, or it lacks what no student took from it.
         """
         try:
             status = path.lstat()
@@ -78,6 +88,7 @@ class Copier:
             else:
                 self._one(os.open(path.parent, os.O_RDONLY), path.name, PurePosixPath(path.name))
         except OSError as error:
+            _raise_ours(error)
             self._left_out(path.name, f"cannot be read: {error.strerror}")
 
     def archive(self, path: Path) -> None:
@@ -90,6 +101,7 @@ class Copier:
                 with unpacked(path) as stream, tarfile.open(fileobj=stream) as tar:
                     self._tar(tar)
         except Exception as error:  # noqa: BLE001  (a stranger's archive may break any reader of it)
+            _raise_ours(error)
             self._broken(path.name, error)
 
     def _broken(self, name: str, error: Exception) -> None:
@@ -123,6 +135,7 @@ class Copier:
             else:
                 self._left_out(name, _kind(mode))
         except OSError as error:
+            _raise_ours(error)
             self._left_out(name, f"cannot be read: {error.strerror}")
 
     def _one(self, folder: int, name: str, target: PurePosixPath) -> None:
@@ -148,6 +161,7 @@ class Copier:
             try:
                 self._zipped(archive, entry)
             except Exception as error:  # noqa: BLE001  (one odd entry is not to cost the others)
+                _raise_ours(error)
                 problem = problem or error
         if problem:
             raise problem
@@ -237,7 +251,14 @@ class Copier:
 
     def _left_out(self, name: str, reason: str) -> None:
         if len(self.events) < 50:
+            self.left_out.append((name, reason))
             self.events.append(f"left out {clean(name, 100)!r}: {reason}")
+
+
+def _raise_ours(error: Exception) -> None:
+    """Raise what is no fault of the file: with a result, its student would lose it for good."""
+    if isinstance(error, OSError) and error.errno in _OURS:
+        raise error
 
 
 def _first(entries: Iterable[Any], copier: Copier) -> Iterable[Any]:

@@ -14,7 +14,7 @@ from course_lib.grading.text import clean
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from pathlib import Path
+    from pathlib import Path, PurePath
 
     from nbformat import NotebookNode
 
@@ -72,7 +72,7 @@ class Found:
         )
 
 
-def named_for_another(path: Path, exercise: str) -> bool:
+def named_for_another(path: PurePath, exercise: str) -> bool:
     """Tell whether a file's name speaks of another exercise, and not of this one."""
     numbers = _FILE_NAME.findall(path.stem)
     return bool(numbers) and exercise[-1] not in numbers
@@ -142,8 +142,10 @@ def _json(text: str) -> Any:  # noqa: ANN401
                 f"ends in the middle (line {error.lineno}): it was not saved or sent completely"
             ) from error
         raise UnreadableError(f"is not a notebook: {error.msg} in line {error.lineno}") from error
-    except (RecursionError, ValueError) as error:
+    except RecursionError as error:
         raise UnreadableError("is not a notebook: it is nested too deeply") from error
+    except ValueError as error:  # thousands of digits
+        raise UnreadableError("is not a notebook: it holds a number without end") from error
 
 
 def _cells(content: Any) -> Iterator[tuple[str, str]]:  # noqa: ANN401
