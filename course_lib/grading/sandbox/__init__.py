@@ -18,7 +18,8 @@ from course_lib.grading.sandbox.choice import NoSandboxError, SandboxError, choo
 from course_lib.grading.sandbox.limits import Limits
 
 if TYPE_CHECKING:
-    from course_lib.grading.sandbox.launcher import Launcher, SandboxedKernel
+    from course_lib.grading.sandbox.kernel import SandboxedKernel
+    from course_lib.grading.sandbox.launcher import Launcher
 
 __all__ = ["Launcher", "Limits", "NoSandboxError", "SandboxError", "SandboxedKernel", "choose"]
 
@@ -26,7 +27,7 @@ __all__ = ["Launcher", "Limits", "NoSandboxError", "SandboxError", "SandboxedKer
 def __getattr__(name: str) -> object:
     """Import what starts kernels when it is wanted: who only hands out work does without."""
     if name in {"Launcher", "SandboxedKernel"}:
-        from course_lib.grading.sandbox import launcher  # noqa: PLC0415
+        from course_lib.grading.sandbox import kernel, launcher  # noqa: PLC0415
 
-        return getattr(launcher, name)
+        return launcher.Launcher if name == "Launcher" else kernel.SandboxedKernel
     raise AttributeError(name)
