@@ -9,9 +9,9 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -149,20 +149,21 @@ def test_a_lost_machine_costs_nothing(scheduler, settings, tmp_path, workers):
 @pytest.mark.usefixtures("workers")
 def test_an_interruption_ends_what_runs_on_the_cluster(scheduler, settings, tmp_path):
     mark = f"cancelled-{os.getpid()}"
-    submit(tmp_path / "in", ann=f"leave_processes {mark}\nsleep 60", ben="pass", cat="sleep 60")
+    submit(tmp_path / "in", ann=f"leave_processes {mark}\nsleep 150", ben="pass", cat="sleep 150")
+    settings = replace(settings, limits=Limits(wall_s=200))
 
     def interrupt() -> None:
-        wait_for(lambda: len(processes(mark)) == 5 and (tmp_path / "out/ben/results.json").exists())
+        ben = tmp_path / "out/ben/results.json"
+        wait_for(lambda: len(processes(mark)) == 5 and ben.exists(), seconds=100)
         os.kill(os.getpid(), signal.SIGINT)
 
     thread = threading.Thread(target=interrupt, daemon=True)
     thread.start()
-    start = time.monotonic()
     with pytest.raises(KeyboardInterrupt):
         grade(scheduler, settings, tmp_path)
     thread.join()
-    assert time.monotonic() - start < 40
     wait_for(lambda: not processes(mark))
+    assert not (tmp_path / "out/ann").exists()
     assert score(tmp_path, "ben") == 2
 
 

@@ -313,7 +313,7 @@ def course(tmp_path: Path, *arguments: str) -> subprocess.Popen:
     )
 
 
-def wait_for(condition: Callable[[], object], seconds: float = 20) -> None:
+def wait_for(condition: Callable[[], object], seconds: float = 60) -> None:
     end = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < end, "waited too long"
