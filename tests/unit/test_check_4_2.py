@@ -209,6 +209,15 @@ def test_a_namespace_may_stand_for_the_beginning_of_a_topic(unit4: Path) -> None
     assert row(check("4.2", namespace={}), "unit4/src/exercise4_2_2.py").verdict is Verdict.RIGHT
 
 
+def test_the_nodes_own_name_may_stand_for_the_beginning_of_a_topic(unit4: Path) -> None:
+    node = unit4 / "src" / "exercise4_2_2.py"
+    node.write_text(node.read_text().replace('"/waterhole/', '"~'))
+    assert row(check("4.2", namespace={}), "unit4/src/exercise4_2_2.py").verdict is Verdict.WRONG
+    launch = unit4 / "launch" / "exercise4_2_2.launch"
+    launch.write_text(launch.read_text().replace('name="b"', 'name="waterhole"'))
+    assert row(check("4.2", namespace={}), "unit4/src/exercise4_2_2.py").verdict is Verdict.RIGHT
+
+
 def test_cmake_cares_neither_for_case_nor_for_white_space(unit4: Path) -> None:
     text = "PROJECT(unit4)\nfind_package(\n  catkin REQUIRED\n)\ncatkin_package ( )\n"
     (unit4 / "CMakeLists.txt").write_text(text)
