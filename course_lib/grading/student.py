@@ -8,7 +8,7 @@ or raises a `StudentError` that says in the student's terms what went wrong.
 from __future__ import annotations
 
 import time
-from collections import Counter
+from collections import defaultdict
 from dataclasses import dataclass, field
 from queue import Empty
 from typing import TYPE_CHECKING, Any
@@ -163,7 +163,7 @@ class Student:
         self.pictures = notebook.pictures
         self._notebook = notebook
         self._call_s = call_s
-        self._failures: Counter[str] = Counter()
+        self._failures: dict[str, list[str]] = defaultdict(list)
         self._package: dict[str, PackageFile] | None = None
 
     def __getattr__(self, name: str) -> Callable[..., Any]:
@@ -193,9 +193,10 @@ class Student:
         StudentError
             One of its kinds, worded for the student.
         """
-        if self._failures[function] >= _SECOND_CHANCES:
+        failures = self._failures[function]
+        if len(failures) >= _SECOND_CHANCES:
             raise TimedOut(
-                f"{function} was not called again: it had hung or died {_SECOND_CHANCES}×."
+                f"{failures[-1]} It was not called again after {len(failures)} of these."
             )
         return self._request(
             function, "call", {"function": function, "args": args}, timeout or self._call_s
@@ -304,15 +305,15 @@ class Student:
             )
             reply = channel.reply(request, agent.REPLY, deadline)
         except Empty:
-            self._failures[what] += 1
             self._notebook.interrupt()
-            raise TimedOut(f"{what} took longer than {seconds:.0f} s and was stopped.") from None
+            self._failures[what].append(f"{what} took longer than {seconds:.0f} s and was stopped.")
+            raise TimedOut(self._failures[what][-1]) from None
         except KernelGoneError as error:
-            self._failures[what] += 1
             reason = self._notebook.reason_of_death() or clean(str(error)) or _ENDED
-            raise Died(
+            self._failures[what].append(
                 f"{what} was running when your notebook's process ended: {reason}."
-            ) from None
+            )
+            raise Died(self._failures[what][-1]) from None
         return _outcome(what, reply["content"], reply.get("buffers", []))
 
 
