@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 _COLOURS = re.compile(r"\x1b\[[0-9;]*m|\x1b\][^\x07\x1b]*(?:\x07|\x1b\\)?")
 _TO_END = 8.0  # seconds for a program to end its children before all are killed
+_TO_FOLLOW = 3.0  # seconds for those whose starter has passed the signal on and ended, as rosbag's
 _STEP = 0.02
 _MARK = "COURSE_PROGRAM"
 # A caller that is killed cannot end what it has started: then the system does, as Ctrl-C would.
@@ -151,6 +152,9 @@ class Program:
             self.process.send_signal(number)
         with contextlib.suppress(subprocess.TimeoutExpired):
             self.process.wait(_TO_END)
+        deadline = time.monotonic() + _TO_FOLLOW
+        while self.pids() and time.monotonic() < deadline:
+            time.sleep(_STEP)
         while left := self.pids():
             for pid in left:
                 with contextlib.suppress(ProcessLookupError):
