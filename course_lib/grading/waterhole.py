@@ -148,11 +148,8 @@ class Waterhole:
         """
         pictures = [*(frame.image for frame in self.judged), self.template]
         with suppress(StudentError):
-            found = [
-                self.answers.locate_waterhole(self.template, picture, MATCH_COUNT)
-                for picture in pictures
-            ]
-            if all(each is None for each in found):
+            find = self.answers.locate_waterhole
+            if all(find(self.template, each, MATCH_COUNT) is None for each in pictures):
                 return MESSAGES["never"].format(thing="waterhole")
         return None
 

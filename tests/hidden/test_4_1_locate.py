@@ -73,14 +73,18 @@ def test_unseen_scenes(student, grade, seeds):
         answers.quietly(scene.mug, scene.scene)
     # Then what each looks like says nothing.
     same = answers.all_the_same()
-    elsewhere = None if same else _finds_nothing(answers, seeds) or _looks_elsewhere(answers)
+
+    @cache
+    def elsewhere():
+        return _finds_nothing(answers, seeds) or _looks_elsewhere(answers)
+
     for kind, scene in scenes.items():
         with grade.attempt():
             found = answers.locate_mug(scene.mug, scene.scene)
             fraction = mug_credit(found, scene.corners, kind)
             wrong = None
             if fraction < 1 and not same:
-                wrong = elsewhere or _help_unseen(found, scene, answers, seeds)
+                wrong = elsewhere() or _help_unseen(found, scene, answers, seeds)
             grade.add(fraction, message=wrong)
             grade.scene(kind, _drawn(scene.scene, scene.corners, found))
     if same:
