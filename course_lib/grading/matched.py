@@ -20,8 +20,6 @@ BEST, RIGHT = 40, 0.3
 SORTED_CORRELATION = 0.3
 # A second-best match this much farther away makes the best one clear; ratio tests allow 0.6 to 0.9.
 CLEAR, HALF = 0.6, 0.5
-# Of ORB's thousand keypoints a third and more are cross-checked; of the best hundred, a tenth.
-DENSE = 0.2
 # Descriptors that a matcher takes, and a number of them that it goes through in a second.
 _DTYPES, _MOST = (np.uint8, np.float32), 6000
 # The share of partners that are used once: a ratio test at 0.85 or less leaves 0.7 and more (ORB,
@@ -116,9 +114,7 @@ class MatchList:
 
         Who cuts off after that many before sorting throws good matches away.
         """
-        # Of the first keypoints, most that have a partner are there: the best ones lie everywhere.
-        dense = len(self._query) >= DENSE * (self._query.max(initial=0) + 1)
-        if not dense or not _can_be_matched(query, train):
+        if not _can_be_matched(query, train):
             return False
         pairs = set(zip(self._query.tolist(), self._train.tolist(), strict=True))
         matches = cv2.BFMatcher(_norm(query), crossCheck=True).match(query, train)

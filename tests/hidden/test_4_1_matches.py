@@ -57,10 +57,9 @@ def test_match_keypoints(student, grade, seeds):
             "all of them first, then take the first."
         )
     grade.add(0.0 if wrong else 1.0, out_of=0.35, message=wrong)
-    right = matches.share_right(expected, there)
     once = matches.share_once()
     alone = "Many keypoints share one partner. Ask both ways: crossCheck=True, or a ratio test."
-    if right < 1 and matches.is_ratio_inverted(query, train):
+    if matches.is_ratio_inverted(query, train):
         once = 0.0
         alone = (
             "The ratio test is the wrong way round: the clear matches are thrown away. Keep m when "
@@ -69,6 +68,7 @@ def test_match_keypoints(student, grade, seeds):
     grade.add(once, out_of=0.35, message=alone if once < 1 else None)
     if matches.takes_bits_for_numbers(query, train):
         grade.note("These descriptors are rows of bits: compare them with cv2.NORM_HAMMING.")
+    right = matches.share_right(expected, there)
     astray = (
         "Few of your best matches are right. Is the norm that of the descriptors, do descriptors "
         "and keypoints belong together, and are all matches sorted?"
