@@ -235,16 +235,13 @@ class _Reader:
                 return evaluate(found[1], lambda kind, word: self._known(kind, word, scope))
             whole, end = "", 0
             for match in _SUBSTITUTION.finditer(text):
-                whole += text[end : match.start()] + self._value(match, scope)
+                whole += text[end : match.start()] + self._known(match[1], match[2], scope)
                 end = match.end()
                 if len(whole) > _MOST_TEXT:
                     return otherwise
         except (_UnknownError, NotUnderstoodError):
             return otherwise
         return whole + text[end:]
-
-    def _value(self, match: re.Match[str], scope: _Scope) -> str:
-        return self._known(match[1], match[2], scope)
 
     def _known(self, kind: str, text: str, scope: _Scope) -> str:
         words = text.split()
