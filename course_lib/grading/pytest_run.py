@@ -31,7 +31,7 @@ _OFF = (
 
 
 def run(
-    paths: Sequence[Path], root: Path, plugin: object, options: Sequence[str] = ()
+    paths: Sequence[Path], root: Path, plugins: Sequence[object], options: Sequence[str] = ()
 ) -> int | pytest.ExitCode:
     """Collect and run some files.
 
@@ -41,8 +41,9 @@ def run(
         Test files and notebooks; none for nothing.
     root : Path
         The folder that test ids are relative to.
-    plugin : object
-        Its hooks make of it what they like.
+    plugins : sequence of object
+        Their hooks make of it what they like. By name, pytest would look for one among all
+        packages that are installed, each time.
     options : sequence of str, optional
         More options.
 
@@ -60,7 +61,7 @@ def run(
         Path(os.devnull).open("w") as nowhere,
         contextlib.redirect_stdout(nowhere),
     ):
-        return pytest.main(arguments, plugins=[plugin, _Straight(paths)])
+        return pytest.main(arguments, plugins=[*plugins, _Straight(paths)])
 
 
 @contextlib.contextmanager

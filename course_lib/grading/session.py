@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import nbformat
+import nbval.plugin
 import pytest
 
 from course_lib.grading import pytest_run
@@ -129,8 +130,8 @@ def _run_pytest(job: Job, plugin: Grading) -> None:
         if exercise in plugin.submission.notebooks:
             paths.append(plugin.notebook_for_nbval(exercise))
         paths += sorted(job.tests.glob(f"test_{exercise.replace('.', '_')}*.py"))
-    options = ["-p", "nbval.plugin", f"--nbval-cell-timeout={plugin.limits.cell_s}"]
-    status = pytest_run.run(paths, job.tests, plugin, options)
+    options = [f"--nbval-cell-timeout={plugin.limits.cell_s}"]
+    status = pytest_run.run(paths, job.tests, [nbval.plugin, plugin], options)
     if status not in {pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED}:
         plugin.events.append(f"the grader's own test run ended with {status!r}")
     plugin.add_missing()

@@ -67,7 +67,7 @@ def rubric_of(tests: Path, exercises: tuple[str, ...]) -> list[tuple[float, str,
     if not paths:
         return []
     rubric = _Rubric()
-    pytest_run.run(paths, tests, rubric, ["--collect-only"])
+    pytest_run.run(paths, tests, [rubric], ["--collect-only"])
     return sorted(rubric.found, key=lambda test: test[1])
 
 

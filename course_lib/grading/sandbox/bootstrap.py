@@ -29,6 +29,9 @@ class _App(IPKernelApp):
             s.setsockopt(zmq.USE_FD, self.listeners[port])
         return int(super()._try_bind_socket(s, port))  # type: ignore[no-untyped-call]
 
+    def parse_command_line(self, argv: Any = None) -> None:  # noqa: ANN401
+        """Read none: there is none, and making its parser takes long."""
+
     def init_signal(self) -> None:
         """Leave signals as they are: an interrupt is handled while a request is."""
 

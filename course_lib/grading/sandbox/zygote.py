@@ -28,6 +28,8 @@ from course_lib.grading.sandbox import keeper
 _WARM = (
     "IPython.core.completer",
     "IPython.core.completerlib",
+    "IPython.core.debugger",
+    "IPython.core.logger",
     "IPython.core.magics",
     "IPython.core.magics.ast_mod",
     "IPython.core.magics.execution",
@@ -41,10 +43,13 @@ _WARM = (
     "course_lib.drawing",
     "course_lib.grading.sandbox.bootstrap",
     "course_lib.localize",
+    "faulthandler",
     "ipykernel.ipkernel",
     "matplotlib.pyplot",
     "matplotlib_inline.backend_inline",
+    "pdb",
     "tornado.platform.asyncio",
+    "zmq.utils.garbage",
 )
 _WARM_FOR_NODES = "course_lib.grading.node_run"
 _MOST_REQUEST = 1 << 16
