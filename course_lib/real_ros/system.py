@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 # The Python that Debian's ROS, cv_bridge and OpenCV belong to.
 PYTHON = Path("/usr/bin/python3")
 _PROGRAMS = ("roscore", "roslaunch", "rosbag", "rostopic")
-_MODULES = ("rospy", "rosbag", "sensor_msgs", "cv_bridge", "cv2")
+_MODULES = ("rospy", "rosbag", "message_filters", "sensor_msgs", "cv_bridge", "cv2")
 _PACKAGES = Path("/usr/lib/python3/dist-packages")
 # What ROS, Python or OpenCV would take from the caller's environment.
 _FOREIGN = ("ROS_", "ROSLISP_", "PYTHON", "VIRTUAL_ENV", "MPLBACKEND", "CMAKE_PREFIX_PATH")

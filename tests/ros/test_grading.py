@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import shutil
+import subprocess
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -15,6 +16,8 @@ from course_lib.grading import cli
 from course_lib.grading.results import SubmissionResult
 from course_lib.grading.sandbox import Launcher, Limits
 from course_lib.grading.session import Job, grade_one
+from course_lib.offline_ros import install
+from course_lib.real_ros import system
 
 SEED = b"a seed of these tests"
 
@@ -110,3 +113,9 @@ def test_what_cannot_be_is_said(
     given = [str(tmp_path), "--out", str(tmp_path / "out"), "--ros", *options]
     assert cli.main(parser.parse_args(given)) == 2
     assert words in capsys.readouterr().err
+
+
+def test_what_a_node_imports_offline_is_there_on_ros() -> None:
+    text = "; ".join(f"import {module}" for module in install.PROVIDED)
+    done = subprocess.run([system.PYTHON, "-c", text], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, f"add its package to `.ci/system`: {done.stderr}"
