@@ -7,7 +7,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from course_lib.grading.student import Student, StudentError
+from course_lib.grading.replies import StudentError
 
 if TYPE_CHECKING:
     from collections.abc import Hashable
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from course_lib._validate import Image
+    from course_lib.grading.student import Student
 
     Key = tuple[Hashable, ...]
 

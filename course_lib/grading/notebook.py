@@ -2,38 +2,39 @@
 
 from __future__ import annotations
 
-import base64
-import binascii
-import io
-import re
 import shutil
 import time
+from dataclasses import dataclass
+from itertools import islice
 from queue import Empty
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from PIL import Image, UnidentifiedImageError
-
 from course_lib.grading.channel import Channel, KernelGoneError, Message
+from course_lib.grading.pictures import pictures_of
 from course_lib.grading.sandbox import SandboxError, places
 from course_lib.grading.scratch import remove
-from course_lib.grading.student import Cell
 from course_lib.grading.text import clean
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterable, Mapping
     from pathlib import Path
 
+    import numpy as np
     from numpy.typing import NDArray
 
     from course_lib.grading.sandbox import Launcher, Limits, SandboxedKernel
 
 _MOST_STARTS = 10
 _MOST_PICTURES = 40
-_MOST_PIXELS = 16_000_000
-_MOST_BASE64 = 12_000_000
 _INTERRUPT_SECONDS = 1.5
-_WITHIN_TEXT = re.compile(r"data:image/(?:png|jpe?g);base64,([A-Za-z0-9+/=]++)")
+
+
+@dataclass(frozen=True)
+class Cell:
+    """How a code cell of the notebook ran: its number (from 1) and, if it failed, why."""
+
+    number: int
+    error: str | None
 
 
 class Notebook:
@@ -220,115 +221,4 @@ class Notebook:
         drawn += self._updates.values()
         self._updates = {}
         for data in drawn:
-            for encoded in _encoded(data):
-                if len(self.pictures) < _MOST_PICTURES:
-                    self.pictures += picture_from(encoded)
-
-
-def _encoded(data: Mapping[str, Any]) -> Iterator[str]:
-    """Give the pictures of an output: those that it is, and those within its HTML or markdown."""
-    for kind in ("image/png", "image/jpeg"):
-        if isinstance(data.get(kind), str):
-            yield data[kind]
-    for kind in ("text/html", "text/markdown"):
-        if isinstance(data.get(kind), str):
-            yield from (match[1] for match in _WITHIN_TEXT.finditer(data[kind]))
-
-
-def picture_from(encoded: str) -> list[NDArray[np.uint8]]:
-    """Decode a picture that a stranger made: one, or none if it is not an ordinary picture.
-
-    Parameters
-    ----------
-    encoded : str
-        Base64 of a PNG or JPEG.
-
-    Returns
-    -------
-    list of ndarray
-        BGR uint8, at most one.
-    """
-    if len(encoded) > _MOST_BASE64:
-        return []
-    try:
-        return picture_in(base64.b64decode(encoded))
-    except (ValueError, binascii.Error):
-        return []
-
-
-def picture_in(data: bytes) -> list[NDArray[np.uint8]]:
-    """Decode a picture file that a stranger made: one, or none if it is no ordinary picture.
-
-    Parameters
-    ----------
-    data : bytes
-        A PNG, JPEG or BMP file.
-
-    Returns
-    -------
-    list of ndarray
-        BGR uint8, at most one.
-    """
-    try:
-        with Image.open(io.BytesIO(data), formats=("PNG", "JPEG", "BMP")) as picture:
-            if picture.width * picture.height > _MOST_PIXELS:
-                return []
-            rgb = np.asarray(picture.convert("RGBA").convert("RGB"), np.uint8)
-    except (OSError, ValueError, SyntaxError, UnidentifiedImageError):
-        return []
-    except Image.DecompressionBombError:
-        return []
-    return [np.ascontiguousarray(rgb[..., ::-1])]
-
-
-class NbvalKernel:
-    """What nbval's cells call, on top of a `Notebook`; stands in for its `RunningKernel`.
-
-    Parameters
-    ----------
-    notebook : Notebook
-        The execution.
-    """
-
-    language = "python"
-
-    def __init__(self, notebook: Notebook) -> None:
-        self._notebook = notebook
-
-    def is_alive(self) -> bool:
-        """Tell whether a cell can be executed; a dead kernel is replaced."""
-        try:
-            self._notebook.channel()
-        except KernelGoneError:
-            return False
-        return True
-
-    def execute_cell_input(self, source: str, **_: object) -> str:
-        """Send a cell."""
-        return self._notebook.begin(source)
-
-    def await_reply(self, request: str, timeout: float) -> None:
-        """Wait until a cell has ended; `queue.Empty` when that takes too long."""
-        self._notebook.reply(request, timeout)
-
-    def get_message(self, stream: str, timeout: float) -> Message:
-        """Give the next output message."""
-        if stream != "iopub":
-            raise ValueError(stream)
-        return self._notebook.output(timeout)
-
-    def await_idle(self, request: str, timeout: float) -> None:
-        """Read outputs until the cell has ended."""
-        while True:
-            message = self.get_message("iopub", timeout)
-            if message["parent_header"].get("msg_id") == request and (
-                message["content"].get("execution_state") == "idle"
-            ):
-                return
-
-    def interrupt(self) -> None:
-        """Stop the running cell."""
-        self._notebook.interrupt()
-
-    def stop(self) -> None:
-        """Leave the kernel to its notebook, which ends it after the hidden tests."""
+            self.pictures += islice(pictures_of(data), _MOST_PICTURES - len(self.pictures))

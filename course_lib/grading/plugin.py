@@ -16,12 +16,14 @@ from nbval.plugin import IPyNbCell, IPyNbFile, NbCellError
 
 from course_lib.grading.channel import KernelGoneError
 from course_lib.grading.error_hints import hint
-from course_lib.grading.notebook import NbvalKernel, Notebook
+from course_lib.grading.nbval_kernel import NbvalKernel
+from course_lib.grading.notebook import Notebook
+from course_lib.grading.replies import NotSubmittedError, StudentError
 from course_lib.grading.results import Picture, TestResult
 from course_lib.grading.rubric import Grade, GradeFailed
 from course_lib.grading.sandbox import SandboxError
 from course_lib.grading.seeds import Seeds
-from course_lib.grading.student import NotSubmittedError, Student, StudentError
+from course_lib.grading.student import Student
 from course_lib.grading.text import clean
 
 if TYPE_CHECKING:

@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from course_lib._validate import Image
-    from course_lib.grading.student import NodeRun, Student
+    from course_lib.grading.node_answer import NodeRun
+    from course_lib.grading.student import Student
 
     Frames = Sequence[tuple[int, Image]]
 

@@ -22,8 +22,8 @@ from typing import TYPE_CHECKING
 import cv2
 import pytest
 
+from course_lib.grading.replies import StudentError
 from course_lib.grading.results import Picture
-from course_lib.grading.student import StudentError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

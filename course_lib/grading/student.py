@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any
 
 import cv2
 
-from course_lib.grading import agent, wire
+from course_lib.grading import agent, node_answer, wire
 from course_lib.grading.channel import KernelGoneError
-from course_lib.grading.error_hints import hint
+from course_lib.grading.replies import BadValue, Died, TimedOut, outcome
 from course_lib.grading.text import clean
 
 if TYPE_CHECKING:
@@ -26,59 +26,17 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from course_lib.grading.node_answer import NodeRun
     from course_lib.grading.notebook import Notebook
 
 _SECOND_CHANCES = 2  # hangs or deaths of one function before its other calls are not tried
 _NODE_SECONDS = 60.0
-_LAST = 2000  # characters of what a node said, no more than `clean` keeps
 _ENDED = (
     "it ended its process, or crashed it, as OpenCV does where its objects are not made by their "
     "own functions, such as cv2.ORB() instead of cv2.ORB_create()"
 )
 _ROS_SECONDS = 60.0  # more, for ROS itself to start and end on a busy machine
 _JPEG = [cv2.IMWRITE_JPEG_QUALITY, 95]
-
-
-class StudentError(Exception):
-    """What kept a student's function from giving a result, worded for the student."""
-
-
-class NotSubmittedError(StudentError):
-    """There is no notebook of this exercise."""
-
-
-class Missing(StudentError):  # noqa: N818  (a rubric reads better so)
-    """The notebook defines no such function."""
-
-
-class NotDone(StudentError):  # noqa: N818
-    """The function raises NotImplementedError."""
-
-
-class Raised(StudentError):  # noqa: N818
-    """The function raised an exception.
-
-    Attributes
-    ----------
-    on_purpose : bool
-        Whether the student's own line raises it.
-    """
-
-    def __init__(self, message: str, *, on_purpose: bool = False) -> None:
-        super().__init__(message)
-        self.on_purpose = on_purpose
-
-
-class TimedOut(StudentError):  # noqa: N818
-    """The function took too long."""
-
-
-class Died(StudentError):  # noqa: N818
-    """The process died, or was ended for breaking a limit."""
-
-
-class BadValue(StudentError):  # noqa: N818
-    """The returned value cannot be read: too large, too deep, or malformed."""
 
 
 @dataclass(frozen=True)
@@ -95,46 +53,6 @@ class PackageFile:
 
     data: bytes = field(repr=False)
     executable: bool
-
-
-@dataclass(frozen=True)
-class NodeRun:
-    """What a ROS node did with the pictures it was given.
-
-    Attributes
-    ----------
-    topics : dict of str to list of (int, object)
-        What it published: stamp in ns, and an array (points, numbers), a BGR picture, a number or
-        text.
-    counts : dict of str to int
-        How many messages it published on each topic.
-    types : dict of str to str
-        Of which type the messages on each topic are.
-    unstamped : frozenset of str
-        The topics on which the header's stamp is zero.
-    files : dict of str to bytes
-        The pictures it saved.
-    error : str or None
-        Why it ended, if it did not end well.
-    log : str
-        What it printed and logged.
-    """
-
-    topics: dict[str, list[tuple[int, Any]]]
-    counts: dict[str, int]
-    types: dict[str, str]
-    unstamped: frozenset[str]
-    files: dict[str, bytes] = field(repr=False)
-    error: str | None
-    log: str
-
-
-@dataclass(frozen=True)
-class Cell:
-    """How a code cell of the notebook ran: its number (from 1) and, if it failed, why."""
-
-    number: int
-    error: str | None
 
 
 class Student:
@@ -281,19 +199,7 @@ class Student:
             "ros": self._ros,
         }
         found = self._request(path, "run_node", arguments, timeout * (1 + self._ros) + 10)
-        try:
-            return NodeRun(
-                topics={clean(str(n), 100): _messages(m) for n, m in found["topics"].items()},
-                counts={clean(str(n), 100): int(c) for n, c in found["counts"].items()},
-                types={clean(str(n), 100): clean(str(t), 100) for n, t in found["types"].items()},
-                unstamped=frozenset(clean(str(n), 100) for n in found["unstamped"]),
-                files={clean(str(n), 200): _bytes(data) for n, data in found["files"].items()},
-                # The last line of a traceback says most.
-                error=clean(error[-_LAST:]) if isinstance(error := found["error"], str) else None,
-                log=clean(str(found["log"])[-_LAST:]),
-            )
-        except (TypeError, KeyError, ValueError, AttributeError, OverflowError) as error:
-            raise BadValue(f"What {path} did could not be read.") from error
+        return node_answer.read(path, found)
 
     def _request(self, what: str, operation: str, arguments: object, seconds: float) -> Any:  # noqa: ANN401
         tree, buffers = wire.encode(arguments)
@@ -314,35 +220,7 @@ class Student:
                 f"{what} was running when your notebook's process ended: {reason}."
             )
             raise Died(self._failures[what][-1]) from None
-        return _outcome(what, reply["content"], reply.get("buffers", []))
-
-
-def _outcome(what: str, content: Mapping[str, Any], buffers: Sequence[bytes]) -> Any:  # noqa: ANN401
-    status = content.get("status")
-    if status == "ok":
-        try:
-            return wire.decode(content.get("value"), buffers)
-        except wire.BadDataError as error:
-            raise BadValue(f"What {what} returned could not be read: {error}.") from error
-    if status == "bad":
-        raise BadValue(
-            f"What {what} returned could not be read: {clean(str(content.get('message')))}."
-        )
-    if status != "error":
-        raise TimedOut(f"{what} was interrupted.")
-    kind, message = (clean(str(content.get(name, ""))).strip() for name in ("type", "message"))
-    kinds = content.get("kinds")
-    kinds = kinds if isinstance(kinds, list) else []
-    if kind == "_MissingError":
-        raise Missing(
-            f"Your notebook has no function {what}: was its cell deleted, or its name changed?"
-        )
-    if "NotImplementedError" in kinds:
-        raise NotDone(f"{what} is not done yet (it raises NotImplementedError).")
-    line = clean(str(content.get("line", "")), 300).strip()
-    where = f" in the line `{line}`" if line else ""
-    said = f"{what} raised {kind}: {message}{where}" if message else f"{what} raised {kind}{where}"
-    raise Raised(f"{said.rstrip('.')}.{hint(kind, message)}", on_purpose=line.startswith("raise "))
+        return outcome(what, reply["content"], reply.get("buffers", []))
 
 
 def _pairs(found: object) -> list[tuple[str, tuple[bytes, bool]]]:
@@ -353,15 +231,3 @@ def _pairs(found: object) -> list[tuple[str, tuple[bytes, bool]]]:
         for name, value in found.items()
         if isinstance(value, tuple) and len(value) == 2 and isinstance(value[0], bytes)
     ]
-
-
-def _bytes(found: object) -> bytes:
-    if not isinstance(found, bytes):  # of a number, `bytes` would make as many
-        raise TypeError("not a file's content")
-    return found
-
-
-def _messages(found: object) -> list[tuple[int, Any]]:
-    if not isinstance(found, list):
-        raise TypeError("not a list of messages")
-    return [(int(stamp), value) for stamp, value in found]

@@ -15,7 +15,7 @@ from course_lib.grading.answers import Answers
 from course_lib.grading.crops import Crop, find_crop, judge_crop
 from course_lib.grading.geometry import diagnose, expected_outline, well_credit
 from course_lib.grading.mistake_texts import MESSAGES
-from course_lib.grading.student import Student, StudentError
+from course_lib.grading.replies import StudentError
 from course_lib.grading.thresholds import WELL_ENOUGH
 from course_lib.scenes import HeldOutFrame, flight
 
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from course_lib._validate import Image
     from course_lib.grading.rubric import Grade
     from course_lib.grading.seeds import Seeds
+    from course_lib.grading.student import Student
 
     Rect = tuple[int, int, int, int]
 

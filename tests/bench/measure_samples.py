@@ -38,10 +38,11 @@ import test_4_2_parts
 
 import build
 from course_lib.grading import agent
+from course_lib.grading.replies import StudentError, outcome
 from course_lib.grading.rubric import Grade, GradeFailed
 from course_lib.grading.sandbox.places import lay_out_pictures
 from course_lib.grading.seeds import Seeds
-from course_lib.grading.student import Student, StudentError, _outcome
+from course_lib.grading.student import Student
 from course_lib.grading.submission import Source, stage
 from course_lib.grading.wire import encode
 
@@ -84,7 +85,7 @@ class Here(Student):
             reply = {"status": "ok", "value": tree}
         except Exception as error:  # noqa: BLE001  (as the agent does)
             reply, buffers = {"status": "error", **agent._describe(error)}, []
-        return _outcome(what, reply, buffers)
+        return outcome(what, reply, buffers)
 
 
 class Sample:

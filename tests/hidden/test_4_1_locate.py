@@ -22,8 +22,8 @@ from course_lib.grading.geometry import (
 )
 from course_lib.grading.mistake_texts import MESSAGES
 from course_lib.grading.mistakes import HAS_FOUND
+from course_lib.grading.replies import Raised, StudentError
 from course_lib.grading.rubric import points
-from course_lib.grading.student import Raised, StudentError
 from course_lib.grading.thresholds import MUG_SHELF
 from course_lib.homography import project, template_corners
 from course_lib.scenes import mug_scene

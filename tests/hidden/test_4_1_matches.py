@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 
 from course_lib.grading.matched import LEAST_DISTINCT, MatchList, share_distinct
+from course_lib.grading.replies import StudentError
 from course_lib.grading.rubric import points
-from course_lib.grading.student import StudentError
 from course_lib.homography import project
 from course_lib.scenes import mug_scene
 

@@ -7,8 +7,8 @@ import numpy as np
 
 from course_lib import images
 from course_lib.grading.matched import LEAST_DISTINCT, share_distinct
+from course_lib.grading.replies import Missing, NotDone, StudentError
 from course_lib.grading.rubric import points
-from course_lib.grading.student import Missing, NotDone, StudentError
 from course_lib.scenes import mug_scene
 
 EXERCISE = "4.1"

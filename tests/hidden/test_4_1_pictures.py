@@ -7,8 +7,8 @@ import numpy as np
 from course_lib import images
 from course_lib.grading.drawn import largest_set, sightings
 from course_lib.grading.published_flight import photo_boxes
+from course_lib.grading.replies import StudentError
 from course_lib.grading.rubric import points
-from course_lib.grading.student import StudentError
 
 EXERCISE = "4.1"
 # Of a picture's pixels: fewer changed ones mean that nothing was drawn on it. Fifty keypoints

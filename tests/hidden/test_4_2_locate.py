@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 
 from course_lib.grading.geometry import absent_credit, as_outline, diagnose
+from course_lib.grading.replies import StudentError
 from course_lib.grading.rubric import points
-from course_lib.grading.student import StudentError
 from course_lib.grading.waterhole import OTHER_TEMPLATE, Waterhole, judge
 
 EXERCISE = "4.2"

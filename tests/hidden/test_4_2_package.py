@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from course_lib.grading.drawn import drawn_share
-from course_lib.grading.notebook import picture_in
+from course_lib.grading.pictures import picture_in
 from course_lib.grading.ros_package import FaultError, Package, what_went_wrong
 from course_lib.grading.rubric import points
 from course_lib.grading.waterhole import FINDS, Waterhole, judge

@@ -5,8 +5,8 @@ from __future__ import annotations
 from numbers import Real
 
 from course_lib.grading.geometry import credit
+from course_lib.grading.replies import Missing, NotDone, StudentError, TimedOut
 from course_lib.grading.rubric import points
-from course_lib.grading.student import Missing, NotDone, StudentError, TimedOut
 from course_lib.grading.thresholds import COUNT_LOSS, FORM
 from course_lib.grading.waterhole import Waterhole
 
