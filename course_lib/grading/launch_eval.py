@@ -6,6 +6,8 @@ import ast
 import operator
 from typing import TYPE_CHECKING, Any
 
+from course_lib.grading.launch_values import converted
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -70,10 +72,10 @@ def _value(node: ast.expr, known: Known) -> Any:  # noqa: ANN401
         case ast.Constant(value=str() | int() | float() as value):
             found: Any = value
         case ast.Name(id=name):
-            found = _typed(name if name.lower() in {"true", "false"} else known("arg", name))
+            found = converted(name if name.lower() in {"true", "false"} else known("arg", name))
         case ast.Call(func=ast.Name(id=name), args=inner) if name in _SUBSTITUTIONS:
             text = known(name, " ".join(str(_value(each, known)) for each in inner))
-            found = _typed(text) if name == "arg" else text
+            found = converted(text) if name == "arg" else text
         case ast.Call(func=ast.Name(id=name), args=[one]) if name in _CONVERSIONS:
             found = _CONVERSIONS[name](_value(one, known))
         case (
@@ -91,16 +93,3 @@ def _value(node: ast.expr, known: Known) -> Any:  # noqa: ANN401
     if isinstance(found, str) and len(found) > _MOST_TEXT:
         raise NotUnderstoodError
     return found
-
-
-def _typed(text: str) -> Any:  # noqa: ANN401
-    """Take an argument for a number or a truth value where it looks like one, as roslaunch does."""
-    lowered = text.lower()
-    if lowered in {"true", "false"}:
-        return lowered == "true"
-    for kind in (int, float):
-        try:
-            return kind(text)
-        except ValueError:
-            pass
-    return text

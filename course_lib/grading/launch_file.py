@@ -18,10 +18,10 @@ from course_lib.grading.launch_eval import NotUnderstoodError, evaluate
 from course_lib.grading.launch_values import (
     HOME_FOLDER,
     PACKAGE_FOLDER,
+    converted,
     joined,
     parameter_key,
     split_words,
-    typed,
 )
 from course_lib.grading.launch_xml import MOST_BYTES, LaunchError, read_xml
 from course_lib.offline_ros.names import parse_value, split_arguments
@@ -208,7 +208,14 @@ class _Reader:
             value = self._text(element.get("value", ""), scope)
             if value is not None:
                 where = parameter_key(name, within=within)
-                scope.params[where] = typed(value, element.get("type", ""))
+                kind = element.get("type", "auto")
+                try:
+                    scope.params[where] = converted(value.strip(), kind)
+                except ValueError:
+                    raise LaunchError(
+                        f'gives the parameter {name[:60]} the type "{kind[:20]}", but its value '
+                        f'"{value.strip()[:60]}" is none: roslaunch starts nothing then'
+                    ) from None
         elif element.tag == "rosparam" and element.get("command", "load") == "load":
             data = self._file(element, scope)[1] if "file" in element.attrib else None
             whole = (data or b"")[:MOST_BYTES].decode("utf-8-sig", "replace")

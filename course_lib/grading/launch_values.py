@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from contextlib import suppress
 from typing import Any
 
 from course_lib.offline_ros.names import parse_value
@@ -10,6 +11,7 @@ from course_lib.offline_ros.names import parse_value
 # Known only where the node runs; what runs it puts the folders there.
 PACKAGE_FOLDER, HOME_FOLDER = "$(find unit4)", "$(env HOME)"
 _FOLDERS = (PACKAGE_FOLDER, HOME_FOLDER)
+_TRUTH = {"true": True, "1": True, "false": False, "0": False}
 
 
 def split_words(text: str) -> list[str]:
@@ -37,21 +39,46 @@ def parameter_key(name: str, *, within: bool) -> str:
     return "/" + name.lstrip("/")
 
 
-def typed(value: str, kind: str) -> Any:  # noqa: ANN401
-    """Turn a parameter's text into what roslaunch makes of it."""
-    if kind in {"str", "string"}:
-        return value
-    if kind == "yaml":
-        return parse_value(value)
-    if kind in {"", "auto", "int"}:
-        try:
-            return int(value)
-        except ValueError:
-            pass
-    if kind in {"", "auto", "int", "double"}:
-        try:
-            return float(value)
-        except ValueError:
-            pass
-    lowered = value.strip().lower()
-    return lowered == "true" if lowered in {"true", "false"} else value
+def converted(text: str, kind: str = "auto") -> Any:  # noqa: ANN401
+    """Make of a text what roslaunch makes of it.
+
+    Parameters
+    ----------
+    text : str
+    kind : str, optional
+        A parameter's `type`.
+
+    Returns
+    -------
+    object
+
+    Raises
+    ------
+    ValueError
+        When it is none of that type, or there is no such type: roslaunch starts nothing then.
+    """
+    lowered = text.strip().lower()
+    match kind.lower():
+        case "auto":
+            return _guessed(text)
+        case "str" | "string":
+            return text
+        case "yaml":
+            return parse_value(text)
+        case "int":
+            return int(text)
+        case "double":
+            return float(text)
+        case "bool" | "boolean" if lowered in _TRUTH:
+            return _TRUTH[lowered]
+    raise ValueError(f"{text!r} is no {kind}")
+
+
+def _guessed(text: str) -> Any:  # noqa: ANN401
+    with suppress(ValueError):
+        if "." in text:  # so 1e3 stays a text
+            return float(text)
+        if "_" not in text:  # 1_000 is a number for Python only
+            return int(text)
+    lowered = text.lower()
+    return _TRUTH[lowered] if lowered in {"true", "false"} else text

@@ -191,3 +191,9 @@ def test_a_declared_latin_1_is_read():
     text = '<?xml version="1.0" encoding="ISO-8859-1"?><launch><!-- für -->{}</launch>'
     nodes = read_launch(text.format(NODE.format("")).encode("latin-1"))
     assert [node.type for node in nodes] == ["a.py"]
+
+
+@pytest.mark.parametrize(("kind", "value"), [("int", "many"), ("bool", "yes"), ("float", "0.5")])
+def test_a_value_that_roslaunch_refuses_is_said(kind, value):
+    with pytest.raises(LaunchError, match=f'the parameter n the type "{kind}".*"{value}" is none'):
+        only(NODE.format(f'<param name="n" type="{kind}" value="{value}"/>'))
