@@ -231,8 +231,14 @@ class _Reader:
     def _applies(self, element: ET.Element, scope: _Scope) -> bool:
         for key, wanted in (("if", True), ("unless", False)):
             value = self._text(element.get(key, str(wanted)), scope)
-            if value is not None and (value.strip().lower() in {"true", "1"}) != wanted:
-                return False
+            try:
+                if value is not None and converted(value, "bool") != wanted:
+                    return False
+            except ValueError:
+                raise LaunchError(
+                    f'has {key}="{value[:60]}", which is neither true nor false: roslaunch starts '
+                    "nothing then"
+                ) from None
         return True
 
     def _text(self, text: str, scope: _Scope, otherwise: Any = None) -> Any:  # noqa: ANN401

@@ -113,9 +113,10 @@ def test_a_package_of_another_name_is_found_under_it():
             "ent",
         ),
         (b"<launch>" + b"<group>" * 5000 + b"</group>" * 5000 + b"</launch>", "nested too deeply"),
+        (b'<launch><group if="yes"/></launch>', "neither true nor false"),
         (b"<launch>" + b" " * 1_000_000 + b"</launch>", "too large"),
     ],
-    ids=["cut", "root", "encoding", "entity", "external", "deep", "large"],
+    ids=["cut", "root", "encoding", "entity", "external", "deep", "condition", "large"],
 )
 def test_what_is_no_launch_file_is_said(data, said):
     with pytest.raises(LaunchError, match=said):
