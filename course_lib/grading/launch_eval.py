@@ -1,4 +1,4 @@
-"""Works out a launch file's `$(eval …)`, as far as it is sums, comparisons and names."""
+"""Works out a launch file's `$(eval …)`, as far as it is arithmetic, comparisons and names."""
 
 from __future__ import annotations
 
@@ -14,9 +14,29 @@ if TYPE_CHECKING:
     Known = Callable[[str, str], str]
 
 _MOST_TEXT = 2000  # characters, of the expression and of what comes of it
+
+
+class NotUnderstoodError(Exception):
+    """It is more than is understood here."""
+
+
+def _of_numbers(work: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
+    """Keep texts out: one that is repeated, or formatted, could fill the memory."""
+
+    def guarded(one: Any, other: Any) -> Any:  # noqa: ANN401
+        if isinstance(one, str) or isinstance(other, str):
+            raise NotUnderstoodError
+        return work(one, other)
+
+    return guarded
+
+
 _OPERATORS: dict[type[ast.AST], Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
+    ast.Mult: _of_numbers(operator.mul),
+    ast.Mod: _of_numbers(operator.mod),
+    ast.FloorDiv: operator.floordiv,
     ast.Div: operator.truediv,
     ast.Eq: operator.eq,
     ast.NotEq: operator.ne,
@@ -25,17 +45,18 @@ _OPERATORS: dict[type[ast.AST], Callable[[Any, Any], Any]] = {
     ast.Gt: operator.gt,
     ast.GtE: operator.ge,
 }
-_CONVERSIONS: dict[str, Callable[[Any], Any]] = {
+_FUNCTIONS: dict[str, Callable[..., Any]] = {
     "int": int,
     "float": float,
     "str": str,
     "bool": bool,
+    "abs": abs,
+    "max": max,
+    "min": min,
+    "round": round,
 }
+_SIGNS: dict[type[ast.AST], Callable[[Any], Any]] = {ast.Not: operator.not_, ast.USub: operator.neg}
 _SUBSTITUTIONS = {"arg", "find", "env", "optenv", "dirname", "anon"}
-
-
-class NotUnderstoodError(Exception):
-    """It is more than is understood here."""
 
 
 def evaluate(expression: str, known: Known) -> str:
@@ -56,7 +77,7 @@ def evaluate(expression: str, known: Known) -> str:
     Raises
     ------
     NotUnderstoodError
-        When it holds anything but names, constants, sums, comparisons and ``and``, ``or``, ``not``.
+        When it holds anything but names, constants, arithmetic, comparisons and a few functions.
     """
     if len(expression) > _MOST_TEXT:
         raise NotUnderstoodError
@@ -76,8 +97,8 @@ def _value(node: ast.expr, known: Known) -> Any:  # noqa: ANN401
         case ast.Call(func=ast.Name(id=name), args=inner) if name in _SUBSTITUTIONS:
             text = known(name, " ".join(str(_value(each, known)) for each in inner))
             found = converted(text) if name == "arg" else text
-        case ast.Call(func=ast.Name(id=name), args=[one]) if name in _CONVERSIONS:
-            found = _CONVERSIONS[name](_value(one, known))
+        case ast.Call(func=ast.Name(id=name), args=inner) if name in _FUNCTIONS:
+            found = _FUNCTIONS[name](*(_value(each, known) for each in inner))
         case (
             ast.BinOp(left=left, op=sign, right=right)
             | ast.Compare(left=left, ops=[sign], comparators=[right])
@@ -86,8 +107,10 @@ def _value(node: ast.expr, known: Known) -> Any:  # noqa: ANN401
         case ast.BoolOp(op=sign, values=several):
             decide = all if isinstance(sign, ast.And) else any
             found = decide(_value(each, known) for each in several)
-        case ast.UnaryOp(op=ast.Not(), operand=one):
-            found = not _value(one, known)
+        case ast.UnaryOp(op=sign, operand=one) if type(sign) in _SIGNS:
+            found = _SIGNS[type(sign)](_value(one, known))
+        case ast.IfExp(test=test, body=body, orelse=orelse):
+            found = _value(body if _value(test, known) else orelse, known)
         case _:
             raise NotUnderstoodError
     if isinstance(found, str) and len(found) > _MOST_TEXT:

@@ -9,36 +9,23 @@ depends on it.
 
 from __future__ import annotations
 
-import posixpath
-import re
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from course_lib.grading.launch_eval import NotUnderstoodError, evaluate
-from course_lib.grading.launch_values import (
-    HOME_FOLDER,
-    PACKAGE_FOLDER,
-    converted,
-    joined,
-    parameter_key,
-    split_words,
-)
-from course_lib.grading.launch_xml import MOST_BYTES, LaunchError, read_xml
+from course_lib.grading.launch_scope import Scope
+from course_lib.grading.launch_values import split_words
+from course_lib.grading.launch_xml import LaunchError, read_xml
 from course_lib.offline_ros.names import parse_value, split_arguments
 
 if TYPE_CHECKING:
     import xml.etree.ElementTree as ET
     from collections.abc import Mapping
 
+    from course_lib.grading.launch_params import Parameters
+
 _MOST_DEPTH = 20
 _MOST_INCLUDED = 50
-_MOST_TEXT = 2000  # of a value: arguments made of arguments could double at every step
-_WHOLE_EVAL = re.compile(r"\$\(eval (.*)\)", re.DOTALL)
-_SUBSTITUTION = re.compile(r"\$\((\w++)([^()]*+)\)")
-
-
-class _UnknownError(Exception):
-    """A value depends on what is not known here."""
+_MOST_NODES = 100
 
 
 @dataclass(frozen=True)
@@ -50,7 +37,8 @@ class LaunchNode:
     package, type, name : str
         As in the file; empty where missing.
     params : dict of str to object
-        Its private parameters. Texts may hold `PACKAGE_FOLDER` and `HOME_FOLDER`.
+        Its private parameters; the others' names begin with a slash. Texts may hold
+        `PACKAGE_FOLDER` and `HOME_FOLDER`.
     remaps : dict of str to str
         Names to use in place of others; `__ns` is the namespace, `__name` the name.
     arguments : tuple of str
@@ -63,23 +51,6 @@ class LaunchNode:
     params: dict[str, Any]
     remaps: dict[str, str]
     arguments: tuple[str, ...] = ()
-
-
-@dataclass
-class _Scope:
-    """What holds for the elements that follow."""
-
-    args: dict[str, str | None]
-    params: dict[str, Any] = field(default_factory=dict)
-    remaps: dict[str, str] = field(default_factory=dict)
-    namespace: str = ""
-    given: frozenset[str] = frozenset()  # the args that an including file has set
-    folder: str = f"{PACKAGE_FOLDER}/launch"  # of the file
-
-    def inner(self) -> _Scope:
-        return replace(
-            self, args=dict(self.args), params=dict(self.params), remaps=dict(self.remaps)
-        )
 
 
 def read_launch(
@@ -103,9 +74,12 @@ def read_launch(
     Raises
     ------
     LaunchError
-        When it is no launch file.
+        When it is none that roslaunch would start.
     """
-    return _Reader(package, files or {}).nodes(_root(data), _Scope({}))
+    scope = Scope({"unit4", package}, files or {})
+    reader = _Reader()
+    reader.read(_root(data), scope)
+    return reader.nodes(scope.params)
 
 
 def _root(data: bytes) -> ET.Element:
@@ -116,162 +90,69 @@ def _root(data: bytes) -> ET.Element:
 
 
 class _Reader:
-    def __init__(self, package: str, files: Mapping[str, bytes]) -> None:
-        self._packages = {"unit4", package}
-        self._files = files
+    def __init__(self) -> None:
         self._included = 0
+        self._nodes: dict[str, tuple[str, LaunchNode]] = {}  # by full name; with the namespace
 
-    def nodes(self, element: ET.Element, scope: _Scope, depth: int = 0) -> list[LaunchNode]:
-        """Return the nodes below an element, in order."""
+    def nodes(self, params: Parameters) -> list[LaunchNode]:
+        """Return the nodes that were read; all parameters are set before the first is started."""
+        return [
+            replace(node, params=params.seen_by(namespace, node.name))
+            for namespace, node in self._nodes.values()
+        ]
+
+    def read(self, element: ET.Element, scope: Scope, depth: int = 0) -> None:
+        """Take the elements below an element, in order."""
         if depth > _MOST_DEPTH:
             raise LaunchError("is nested too deeply")
-        found = []
         for child in element:
-            if not self._applies(child, scope):
+            if not scope.applies(child):
                 continue
             if child.tag == "group":
-                inner = scope.inner()
-                inner.namespace = joined(scope.namespace, child.get("ns", ""))
-                found += self.nodes(child, inner, depth + 1)
+                self.read(child, scope.inner(scope.text(child, "ns")), depth + 1)
             elif child.tag == "node":
-                found.append(self._node(child, scope.inner()))
+                self._node(child, scope.inner(scope.text(child, "ns")))
             elif child.tag == "include":
-                found += self._include(child, scope, depth + 1)
+                self._include(child, scope, depth + 1)
             else:
-                self._setting(child, scope)
-        return found
+                scope.take(child)
 
-    def _include(self, element: ET.Element, scope: _Scope, depth: int) -> list[LaunchNode]:
-        """Return the nodes of another file of the package; of files elsewhere nothing is known."""
-        name, data = self._file(element, scope)
+    def _include(self, element: ET.Element, scope: Scope, depth: int) -> None:
+        """Read another file of the package; of files elsewhere nothing is known."""
+        path, data = scope.file(element)
         self._included += 1
         if data is None or self._included > _MOST_INCLUDED:
-            return []
-        given = scope.inner()
-        for child in element:
-            if self._applies(child, scope):
-                self._setting(child, given)
-        names = {child.get("name", "") for child in element if child.tag == "arg"}
-        passed = element.get("pass_all_args", "").lower() in {"true", "1"}
-        inner = scope.inner()
-        inner.args = {n: v for n, v in given.args.items() if passed or n in names}
-        inner.given = frozenset(inner.args)
-        inner.namespace = joined(scope.namespace, element.get("ns", ""))
-        inner.folder = posixpath.dirname(name)
+            return
         try:
-            return self.nodes(_root(data), inner, depth)
+            self.read(_root(data), scope.included(element, path), depth)
         except LaunchError as error:
-            raise LaunchError(f"includes {name}, which {error}") from None
+            raise LaunchError(f"includes {path}, which {error}") from None
 
-    def _file(self, element: ET.Element, scope: _Scope) -> tuple[str, bytes | None]:
-        """Return the path that an element's attribute `file` gives, and what it holds."""
-        path = posixpath.normpath(self._text(element.get("file", ""), scope, ""))
-        return path, self._files.get(path.removeprefix(f"{PACKAGE_FOLDER}/"))
-
-    def _node(self, element: ET.Element, scope: _Scope) -> LaunchNode:
-        package, kind, name = (
-            self._text(element.get(key, ""), scope, "") for key in ("pkg", "type", "name")
+    def _node(self, element: ET.Element, scope: Scope) -> None:
+        package, kind, name, args = (
+            scope.text(element, key) or "" for key in ("pkg", "type", "name", "args")
         )
-        # What stands outside, for all nodes or under this one's name, is private to it too.
-        own = f"/{name}/"
-        params = {n: v for n, v in scope.params.items() if not n.startswith("/")}
-        params |= {n[len(own) :]: v for n, v in scope.params.items() if n.startswith(own)}
-        scope.params = {}
+        full = f"{scope.namespace}/{name}".lstrip("/")
+        if "/" in name:
+            raise LaunchError(f'names a node "{name[:60]}": a namespace belongs into ns="…"')
+        if name and full in self._nodes:
+            raise LaunchError(f'has two nodes of the name "{name[:60]}": roslaunch starts neither')
+        if len(self._nodes) >= _MOST_NODES:
+            raise LaunchError("starts far too many nodes")
+        scope.node = full
+        for key, value in scope.everyones.items():
+            scope.params.put(f"{full}/{key}", value)
         for child in element:
-            if self._applies(child, scope):
-                self._setting(child, scope, within=True)
-        params |= scope.params
-        words = split_words(self._text(element.get("args", ""), scope, ""))
-        arguments, mappings = split_arguments(words)
+            if scope.applies(child):
+                scope.take(child)
+        arguments, mappings = split_arguments(split_words(args))
+        remaps = dict(scope.remaps)
         for left, right in mappings.items():
-            if left.startswith("_") and not left.startswith("__"):
-                params[left[1:]] = parse_value(right)
+            if not left.startswith("_"):
+                remaps[left] = right
             elif not left.startswith("__"):
-                scope.remaps[left] = right
-        namespace = joined(scope.namespace, element.get("ns", ""))
-        remaps = scope.remaps | ({"__ns": namespace} if namespace else {})
-        if name:
-            remaps["__name"] = name
-        return LaunchNode(package, kind, name, params, remaps, tuple(arguments))
-
-    def _setting(self, element: ET.Element, scope: _Scope, *, within: bool = False) -> None:
-        """Take an argument, a parameter or a remapping into the scope."""
-        name = element.get("name", "")
-        if element.tag == "arg" and name and name not in scope.given:
-            value = element.get("value", element.get("default"))
-            scope.args[name] = None if value is None else self._text(value, scope)
-        elif element.tag == "remap":
-            source, target = (self._text(element.get(key, ""), scope) for key in ("from", "to"))
-            if source and target:
-                scope.remaps[source] = target
-        elif element.tag == "param" and name and "value" in element.attrib:
-            value = self._text(element.get("value", ""), scope)
-            if value is not None:
-                where = parameter_key(name, within=within)
-                kind = element.get("type", "auto")
-                try:
-                    scope.params[where] = converted(value.strip(), kind)
-                except ValueError:
-                    raise LaunchError(
-                        f'gives the parameter {name[:60]} the type "{kind[:20]}", but its value '
-                        f'"{value.strip()[:60]}" is none: roslaunch starts nothing then'
-                    ) from None
-        elif element.tag == "rosparam" and element.get("command", "load") == "load":
-            data = self._file(element, scope)[1] if "file" in element.attrib else None
-            whole = (data or b"")[:MOST_BYTES].decode("utf-8-sig", "replace")
-            text = whole or self._text(element.text or "", scope) or ""
-            loaded = parse_value(text)
-            if name:
-                loaded = {name: loaded}
-            if isinstance(loaded, dict):
-                scope.params |= {
-                    parameter_key(str(key), within=within): loaded[key] for key in loaded
-                }
-
-    def _applies(self, element: ET.Element, scope: _Scope) -> bool:
-        for key, wanted in (("if", True), ("unless", False)):
-            value = self._text(element.get(key, str(wanted)), scope)
-            try:
-                if value is not None and converted(value, "bool") != wanted:
-                    return False
-            except ValueError:
-                raise LaunchError(
-                    f'has {key}="{value[:60]}", which is neither true nor false: roslaunch starts '
-                    "nothing then"
-                ) from None
-        return True
-
-    def _text(self, text: str, scope: _Scope, otherwise: Any = None) -> Any:  # noqa: ANN401
-        """Put in what a text's substitutions stand for; what is not known makes it `otherwise`."""
-        try:
-            if found := _WHOLE_EVAL.fullmatch(text):
-                return evaluate(found[1], lambda kind, word: self._known(kind, word, scope))
-            whole, end = "", 0
-            for match in _SUBSTITUTION.finditer(text):
-                whole += text[end : match.start()] + self._known(match[1], match[2], scope)
-                end = match.end()
-                if len(whole) > _MOST_TEXT:
-                    return otherwise
-        except (_UnknownError, NotUnderstoodError):
-            return otherwise
-        return whole + text[end:]
-
-    def _known(self, kind: str, text: str, scope: _Scope) -> str:
-        words = text.split()
-        if kind == "dirname":
-            return scope.folder
-        if not words:
-            raise _UnknownError
-        if kind == "find" and words[0] in self._packages:
-            return PACKAGE_FOLDER
-        if kind == "arg":
-            value = scope.args.get(words[0])
-            if value is not None:
-                return value
-        if kind in {"env", "optenv"} and words[0] == "HOME":
-            return HOME_FOLDER
-        if kind == "optenv":
-            return " ".join(words[1:])
-        if kind == "anon":
-            return words[0]
-        raise _UnknownError
+                scope.params.put(f"{full}/{left[1:]}", parse_value(right))
+        remaps |= {"__ns": scope.namespace} if scope.namespace else {}
+        remaps |= {"__name": name} if name else {}
+        node = LaunchNode(package, kind, name, {}, remaps, tuple(arguments))
+        self._nodes[full if name else f"/{len(self._nodes)}"] = (scope.namespace, node)

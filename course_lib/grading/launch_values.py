@@ -32,13 +32,6 @@ def joined(outer: str, inner: str) -> str:
     return inner.strip("/") if inner.startswith("/") else f"{outer}/{inner}".strip("/")
 
 
-def parameter_key(name: str, *, within: bool) -> str:
-    """Return a parameter's name: private ones bare, others from the root."""
-    if within or name.startswith("~"):
-        return name.lstrip("~/")
-    return "/" + name.lstrip("/")
-
-
 def converted(text: str, kind: str = "auto") -> Any:  # noqa: ANN401
     """Make of a text what roslaunch makes of it.
 

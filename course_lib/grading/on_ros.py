@@ -141,6 +141,8 @@ def _launch_text(
         for source, target in remap.items()
         if not source.startswith("__")
     ]
-    lines += [rosparam(name, value) for name, value in params.items()]
+    lines += [rosparam(name, value) for name, value in params.items() if not name.startswith("/")]
+    # Within <node> these would be the node's own.
+    shared = [rosparam(name, value) for name, value in params.items() if name.startswith("/")]
     start = " ".join(f"{name}={quoteattr(value)}" for name, value in attributes.items())
-    return f"<launch><node {start}>{''.join(lines)}</node></launch>"
+    return f"<launch>{''.join(shared)}<node {start}>{''.join(lines)}</node></launch>"

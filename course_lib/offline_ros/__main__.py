@@ -7,7 +7,7 @@ import os
 import sys
 import threading
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console as Terminal
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
@@ -16,6 +16,7 @@ from course_lib.offline_ros.bag import BagSource
 from course_lib.offline_ros.errors import BagError
 from course_lib.offline_ros.flown import DRONE, SECONDS, DroneSource
 from course_lib.offline_ros.host import Host, Limits
+from course_lib.offline_ros.names import leaves, parse_value
 
 if TYPE_CHECKING:
     from course_lib.offline_ros.runtime import Runtime
@@ -44,6 +45,14 @@ def _positive(text: str) -> float:
 
 def _rate(text: str) -> float | None:
     return None if text == "max" else _positive(text)
+
+
+def _global(text: str) -> tuple[str, Any]:
+    name, assigns, value = text.partition(":=")
+    if not assigns or not name.startswith("/"):
+        msg = f"{text!r} is not /NAME:=VALUE; the node's own parameters are _NAME:=VALUE"
+        raise argparse.ArgumentTypeError(msg)
+    return name, parse_value(value)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -77,6 +86,14 @@ def _parser() -> argparse.ArgumentParser:
     add("--max-frames", type=int, metavar="N", help="stop after N pictures")
     add("--topic", action="append", metavar="TOPIC", help="play only this topic (repeatable)")
     add("--record", type=Path, metavar="OUT.bag|DIR", help="keep what the node publishes")
+    add(
+        "--param",
+        type=_global,
+        action="append",
+        default=[],
+        metavar="/NAME:=VALUE",
+        help="set a parameter that is not the node's own, as rosparam does (repeatable)",
+    )
     add("--keep-going", action="store_true", help="log an error in a callback and go on, as ROS")
     add("--timeout", type=_positive, metavar="SECONDS", help="stop after this much wall time")
     add(
@@ -154,6 +171,8 @@ def main(argv: list[str] | None = None) -> int:
         duration=options.duration,
         keep_going=options.keep_going,
     )
+    for name, value in options.param:
+        host.runtime.parameters |= leaves(name, value)
     done = threading.Event()
     bar = threading.Thread(target=_show_progress, args=(host.runtime, done), daemon=True)
     if not options.quiet and sys.stderr.isatty():

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import re
 from dataclasses import dataclass, field
-from io import StringIO
 from typing import Any
 
-from ruamel.yaml import YAML
-from ruamel.yaml.error import YAMLError
+import yaml
 
 _ARGUMENT = re.compile(r"^(?P<name>[~/\w][\w/]*):=(?P<value>.*)$", re.DOTALL)
 _LEGAL = re.compile(r"^[~/A-Za-z][\w/]*$|^[~/]?$")
@@ -52,12 +51,66 @@ def parse_value(text: str) -> Any:  # noqa: ANN401  (YAML gives what it holds)
     object
         The value; the text itself where it is no YAML.
     """
-    yaml = YAML(typ="safe", pure=True)
-    yaml.version = (1, 1)
     try:
-        return yaml.load(StringIO(text)) if text else ""
-    except YAMLError:
+        return yaml.safe_load(text) if text else ""
+    except (yaml.YAMLError, ValueError, RecursionError):  # a 13th month, a list in a list in a …
         return text
+
+
+def as_yaml(value: object) -> str:
+    """Write a parameter's value in a line that `parse_value`, and rospy, read as the same.
+
+    Parameters
+    ----------
+    value : object
+        A number, text, truth value, list or dict.
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    ValueError
+        When it is none of these.
+    """
+    try:
+        plain = json.loads(json.dumps(value, default=_of_numpy))
+    except TypeError as error:
+        msg = f"a parameter is a number, text, truth value, list or dict, not {value!r}"
+        raise ValueError(msg) from error
+    text = yaml.safe_dump(
+        plain, default_flow_style=True, sort_keys=False, width=float("inf"), allow_unicode=True
+    )
+    return str(text).removesuffix("...\n").rstrip("\n")
+
+
+def _of_numpy(value: Any) -> object:  # noqa: ANN401
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    raise TypeError
+
+
+def leaves(name: str, value: Any) -> dict[str, Any]:  # noqa: ANN401
+    """Give a parameter as the server keeps it: a dictionary is a namespace.
+
+    Parameters
+    ----------
+    name : str
+        Its full name.
+    value : object
+
+    Returns
+    -------
+    dict of str to object
+        Each value that is none, by its full name.
+    """
+    if not isinstance(value, dict):
+        return {name: value}
+    found: dict[str, Any] = {}
+    for key, inner in value.items():
+        found |= leaves(f"{name}/{key}", inner)
+    return found
 
 
 @dataclass
@@ -130,8 +183,8 @@ class Names:
 
     def private_parameters(self) -> dict[str, Any]:
         """Give the `_param:=value` pairs, by resolved name."""
-        return {
-            self.expand("~" + left[1:]): parse_value(right)
-            for left, right in self.mappings.items()
-            if left.startswith("_") and not left.startswith("__")
-        }
+        found: dict[str, Any] = {}
+        for left, right in self.mappings.items():
+            if left.startswith("_") and not left.startswith("__"):
+                found |= leaves(self.expand("~" + left[1:]), parse_value(right))
+        return found

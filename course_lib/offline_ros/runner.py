@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import signal
 import subprocess
@@ -13,9 +12,10 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from course_lib.offline_ros.bag import find_bag
-from course_lib.offline_ros.errors import BagError, NodeError, OfflineRosError
+from course_lib.offline_ros.errors import BagError, NodeError
 from course_lib.offline_ros.flown import DRONE
 from course_lib.offline_ros.host import CRASHED, ENDED
+from course_lib.offline_ros.names import as_yaml
 from course_lib.offline_ros.recording import Recording
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ def run_node(
     remap : mapping of str to str, optional
         Topics to rename, `{"/camera/image": "/camera/rgb/image_raw"}`.
     params : mapping of str to object, optional
-        The node's private parameters, `{"match_count": 100}`.
+        The node's private parameters, `{"match_count": 100}`; others begin with a slash.
     arguments : sequence of str, optional
         What else stands on its command line, `["--match-count", "100"]`.
     topics : collection of str, optional
@@ -93,7 +93,7 @@ def run_node(
     FileNotFoundError
         When there is no such node file.
     ValueError
-        When a limit is not positive or a parameter's name is global.
+        When a limit is not positive.
     BagError
         When the bag is missing, unreadable or has none of these topics.
     NodeError
@@ -128,8 +128,11 @@ def run_node(
     played = Path(folder.name) / "played.txt" if progress else None
     if played:
         options.append(f"--progress={played}")
+    shared = {name: value for name, value in (params or {}).items() if name.startswith("/")}
+    own = {name: value for name, value in (params or {}).items() if name not in shared}
+    options += [f"--param={name}:={as_yaml(value)}" for name, value in shared.items()]
     command = [sys.executable, "-m", "course_lib.offline_ros", f"--record={record}", *options]
-    status = _run([*command, str(node), *_arguments(remap or {}, params or {})], printed, played)
+    status = _run([*command, str(node), *_arguments(remap or {}, own)], printed, played)
     output = _tail(printed)
     if status == 2 and not record.exists():
         raise BagError(output.rpartition("error: ")[2].strip())
@@ -157,21 +160,8 @@ def _limits(limits: Mapping[str, float | None]) -> list[str]:
 
 
 def _arguments(remap: Mapping[str, str], params: Mapping[str, Any]) -> list[str]:
-    for name in params:
-        if name.startswith("/"):
-            msg = f"a node's parameters are private: give {name.rpartition('/')[2]!r}, not {name!r}"
-            raise ValueError(msg)
     remaps = [f"{left}:={right}" for left, right in remap.items()]
-    return remaps + [f"_{name.lstrip('~_')}:={_yaml(value)}" for name, value in params.items()]
-
-
-def _yaml(value: object) -> str:
-    # JSON is YAML, and quotes a text that would otherwise be read as a number.
-    try:
-        return json.dumps(value)
-    except TypeError as error:
-        msg = f"a parameter is a number, text, truth value, list or dict, not {value!r}"
-        raise OfflineRosError(msg) from error
+    return remaps + [f"_{name.lstrip('~_')}:={as_yaml(value)}" for name, value in params.items()]
 
 
 def _tail(printed: Path) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import json
 import re
 import signal
 import struct
@@ -16,6 +15,7 @@ from xml.sax.saxutils import escape, quoteattr
 
 from course_lib.offline_ros.bag import BagSource
 from course_lib.offline_ros.errors import BagError, NodeError
+from course_lib.offline_ros.names import as_yaml
 from course_lib.offline_ros.recording import Recording
 from course_lib.offline_ros.wire import serialize
 from course_lib.real_ros.core import Ros
@@ -128,8 +128,7 @@ def _with_params(ros: Ros, file: Path, params: Mapping[str, Any], scratch: Path)
 
 def rosparam(name: str, value: object) -> str:
     """Write a launch file's element that sets a parameter, and keeps the value's type."""
-    # JSON is YAML.
-    return f"<rosparam param={quoteattr(name)}>{escape(json.dumps(value))}</rosparam>"
+    return f"<rosparam param={quoteattr(name)}>{escape(as_yaml(value))}</rosparam>"
 
 
 def _feed(source: BagSource, player: Program) -> None:

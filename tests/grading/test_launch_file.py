@@ -52,8 +52,8 @@ def test_remaps_params_and_namespaces_hold_within_their_group():
         "__ns": "waterhole",
         "__name": "a",
     }
-    assert first.params == {"all": 1, "own": 2}
-    assert second.params == {"all": 1, "other": 3, "n": 4}
+    assert first.params == {"all": 1, "/a/own": 2, "/b/other": 3, "/else/b/all": 1, "/else/b/n": 4}
+    assert second.params == {"all": 1, "n": 4, "/waterhole/a/all": 1, "/a/own": 2, "/b/other": 3}
     assert second.remaps == {
         "image": "/camera/rgb/image_raw",
         "in": "out",
@@ -198,3 +198,36 @@ def test_a_declared_latin_1_is_read():
 def test_a_value_that_roslaunch_refuses_is_said(kind, value):
     with pytest.raises(LaunchError, match=f'the parameter n the type "{kind}".*"{value}" is none'):
         only(NODE.format(f'<param name="n" type="{kind}" value="{value}"/>'))
+
+
+LAUGHS = "a0: &a0 [1, 1]\n" + "".join(
+    f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 9)}]\n" for n in range(1, 10)
+)
+
+
+@pytest.mark.parametrize(
+    "yaml",
+    [
+        LAUGHS,
+        "x: &x {y: *x}",
+        "x: " + "[" * 5000,
+        "x: " + "[" * 50 + "]" * 50,
+        "\n".join(f"p{n}: 1" for n in range(2000)),
+    ],
+    ids=["laughs", "itself", "deep", "nested", "many"],
+)
+def test_yaml_that_grows_is_refused(yaml):
+    with pytest.raises(LaunchError, match=r"rosparam|too many parameters"):
+        only(NODE.format("<rosparam>" + yaml.replace("&", "&amp;") + "</rosparam>"))
+
+
+def test_yaml_of_odd_types_becomes_text():
+    text = "day: 2026-11-29\nset: !!set {a, b}\n1: one"
+    params = only(NODE.format(f"<rosparam>{text}</rosparam>")).params
+    assert params["day"] == "2026-11-29"
+    assert params["1"] == "one"
+
+
+@pytest.mark.parametrize("expression", ["'%1000000000d' % 5", "'a' * 10**9", "9**9**9", "-'a'"])
+def test_eval_that_grows_is_not_worked_out(expression):
+    assert only(NODE.format(f'<param name="x" value="$(eval {expression})"/>')).params == {}

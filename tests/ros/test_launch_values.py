@@ -48,8 +48,7 @@ def ours(text: str, kind: str) -> list[object]:
 
 
 def test_values_are_roslaunchs() -> None:
-    # Exponents are left out in YAML: PyYAML wants a point before and a sign behind the e.
-    pairs = [p for p in product(TEXTS, KINDS) if p[1] != "yaml" or (p[0] and "e3" not in p[0])]
+    pairs = [pair for pair in product(TEXTS, KINDS) if pair != ("", "yaml")]
     done = subprocess.run(
         [system.PYTHON, "-c", ASK],
         input=json.dumps(pairs),

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
-from course_lib.offline_ros.names import Names, parse_value, split_arguments
+from course_lib.offline_ros.names import Names, as_yaml, parse_value, split_arguments
 
 
 def test_arguments() -> None:
@@ -64,3 +65,41 @@ def test_illegal_names(name: str) -> None:
 )
 def test_a_topic_is_resolved_twice(mappings: dict[str, str], topic: str) -> None:
     assert Names(mappings).topic("a") == topic
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        58,
+        1e-5,
+        1e20,
+        -0.25,
+        True,
+        "",
+        "58",
+        "yes",
+        "a: b",
+        "x" * 500,
+        [1, [2.0, "3"]],
+        {"a": {"n": None}},
+    ],
+)
+def test_a_value_survives_the_command_line(value: object) -> None:
+    text = as_yaml(value)
+    assert "\n" not in text
+    assert parse_value(text) == value
+    assert type(parse_value(text)) is type(value)
+
+
+def test_numpys_numbers_are_numbers() -> None:
+    assert as_yaml({"r": np.float32(0.5), "n": (np.int64(3), 4)}) == "{r: 0.5, n: [3, 4]}"
+    with pytest.raises(ValueError, match="a parameter is a number"):
+        as_yaml(object())
+
+
+def test_values_are_rospys_yaml() -> None:
+    assert [
+        parse_value(text) for text in ("y", "n", "no", "1e3", "1.0e+3", "[1", "2026-13-01")
+    ] == [
+        *("y", "n", False, "1e3", 1000.0, "[1", "2026-13-01"),
+    ]

@@ -301,6 +301,21 @@ def test_a_picture_is_taken_by_a_node_that_ends_by_itself(bag: Path, tmp_path: P
     np.testing.assert_array_equal(cv2.imread(str(tmp_path / "photo.png")), frame(7))
 
 
+def test_parameters_of_the_robot_and_of_the_node(bag: Path, tmp_path: Path) -> None:
+    node = tmp_path / "asker.py"
+    node.write_text(
+        "import rospy\nshared = rospy.get_param('/count')\nrospy.init_node('asker')\n"
+        "print(shared, rospy.get_param('well/side'), rospy.get_param('~deep/a'))\n"
+        "print(rospy.get_param('/well'), rospy.get_param('~deep'), rospy.has_param('count'))\n"
+    )
+    params = {"/count": 58, "/well": {"side": "left", "n": 2}, "deep": {"a": 1, "b": [1, 2]}}
+    printed = run_node(node, bag=bag, params=params).output.splitlines()
+    assert printed == [
+        "58 left 1",
+        "{'side': 'left', 'n': 2} {'a': 1, 'b': [1, 2]} True",
+    ]
+
+
 def test_a_node_that_floods_the_disk_is_stopped(bag: Path, tmp_path: Path) -> None:
     node = tmp_path / "flood.py"
     node.write_text("text = 'x' * 1_000_000\nwhile True:\n    print(text)\n")
@@ -313,7 +328,6 @@ def test_a_node_that_floods_the_disk_is_stopped(bag: Path, tmp_path: Path) -> No
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({"params": {"/match_count": 5}}, "private: give 'match_count'"),
         ({"max_frames": 0}, "max_frames must be positive, not 0"),
         ({"timeout": -1.0}, "timeout must be positive"),
         ({"rate": float("nan")}, "rate must be positive"),
