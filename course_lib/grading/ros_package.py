@@ -131,7 +131,8 @@ class Package:
             raise FaultError(f"{file} starts {kind}, but there is no such file in src/.", 0.25)
         # A namespace such as camera/rgb is no topic.
         remaps = [target for name, target in node.remaps.items() if not name.startswith("__")]
-        named = [*remaps, *node.params.values()]
+        own = [value for name, value in node.params.items() if not name.startswith("/")]
+        named = [*remaps, *own]
         for topic in named:
             camera = isinstance(topic, str) and re.match(r"/?camera/", topic)
             if camera and not str(topic).lstrip("/").startswith(TOPIC.lstrip("/")):
