@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 
 _MOST_DEPTH = 20
 _MOST_INCLUDED = 50
+# Bytes of all files that one launch file takes in; the reader of YAML is slow, so each counts more.
+_MOST_READ, _COST_OF_YAML = 2 * MOST_BYTES, 10
 _MOST_TEXT = 2000  # of a value: arguments made of arguments could double at every step
 _WHOLE_EVAL = re.compile(r"\$\(eval (.*)\)", re.DOTALL)
 _SUBSTITUTION = re.compile(r"\$\((\w++)([^()]*+)\)")
@@ -105,14 +107,8 @@ def read_launch(
     LaunchError
         When it is no launch file.
     """
-    return _Reader(package, files or {}).nodes(_root(data), _Scope({}))
-
-
-def _root(data: bytes) -> ET.Element:
-    root = read_xml(data)
-    if root.tag != "launch":
-        raise LaunchError(f"should begin with <launch>, not <{str(root.tag)[:40]}>")
-    return root
+    reader = _Reader(package, files or {})
+    return reader.nodes(reader.root(data), _Scope({}))
 
 
 class _Reader:
@@ -120,6 +116,26 @@ class _Reader:
         self._packages = {"unit4", package}
         self._files = files
         self._included = 0
+        self._left = _MOST_READ
+
+    def _take(self, size: int) -> None:
+        """Count what is read; the same file may be named again and again."""
+        self._left -= size
+        if self._left < 0:
+            raise LaunchError("is, with all that it loads, far too large for what it is")
+
+    def _parsed(self, text: str) -> Any:  # noqa: ANN401
+        """Read YAML."""
+        self._take(_COST_OF_YAML * len(text))
+        return parse_value(text)
+
+    def root(self, data: bytes) -> ET.Element:
+        """Return the root of a launch file."""
+        self._take(len(data))
+        root = read_xml(data)
+        if root.tag != "launch":
+            raise LaunchError(f"should begin with <launch>, not <{str(root.tag)[:40]}>")
+        return root
 
     def nodes(self, element: ET.Element, scope: _Scope, depth: int = 0) -> list[LaunchNode]:
         """Return the nodes below an element, in order."""
@@ -159,7 +175,7 @@ class _Reader:
         inner.namespace = joined(scope.namespace, element.get("ns", ""))
         inner.folder = posixpath.dirname(name)
         try:
-            return self.nodes(_root(data), inner, depth)
+            return self.nodes(self.root(data), inner, depth)
         except LaunchError as error:
             raise LaunchError(f"includes {name}, which {error}") from None
 
@@ -185,7 +201,7 @@ class _Reader:
         arguments, mappings = split_arguments(words)
         for left, right in mappings.items():
             if left.startswith("_") and not left.startswith("__"):
-                params[left[1:]] = parse_value(right)
+                params[left[1:]] = self._parsed(right)
             elif not left.startswith("__"):
                 scope.remaps[left] = right
         namespace = joined(scope.namespace, element.get("ns", ""))
@@ -208,12 +224,13 @@ class _Reader:
             value = self._text(element.get("value", ""), scope)
             if value is not None:
                 where = parameter_key(name, within=within)
-                scope.params[where] = typed(value, element.get("type", ""))
+                kind = element.get("type", "")
+                scope.params[where] = self._parsed(value) if kind == "yaml" else typed(value, kind)
         elif element.tag == "rosparam" and element.get("command", "load") == "load":
             data = self._file(element, scope)[1] if "file" in element.attrib else None
             whole = (data or b"")[:MOST_BYTES].decode("utf-8-sig", "replace")
             text = whole or self._text(element.text or "", scope) or ""
-            loaded = parse_value(text)
+            loaded = self._parsed(text)
             if name:
                 loaded = {name: loaded}
             if isinstance(loaded, dict):

@@ -5,8 +5,6 @@ from __future__ import annotations
 import shlex
 from typing import Any
 
-from course_lib.offline_ros.names import parse_value
-
 # Known only where the node runs; what runs it puts the folders there.
 PACKAGE_FOLDER, HOME_FOLDER = "$(find unit4)", "$(env HOME)"
 _FOLDERS = (PACKAGE_FOLDER, HOME_FOLDER)
@@ -38,11 +36,9 @@ def parameter_key(name: str, *, within: bool) -> str:
 
 
 def typed(value: str, kind: str) -> Any:  # noqa: ANN401
-    """Turn a parameter's text into what roslaunch makes of it."""
+    """Turn a parameter's text into what roslaunch makes of it, unless it is YAML."""
     if kind in {"str", "string"}:
         return value
-    if kind == "yaml":
-        return parse_value(value)
     if kind in {"", "auto", "int"}:
         try:
             return int(value)

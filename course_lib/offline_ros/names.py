@@ -8,7 +8,6 @@ from io import StringIO
 from typing import Any
 
 from ruamel.yaml import YAML
-from ruamel.yaml.error import YAMLError
 
 _ARGUMENT = re.compile(r"^(?P<name>[~/\w][\w/]*):=(?P<value>.*)$", re.DOTALL)
 _LEGAL = re.compile(r"^[~/A-Za-z][\w/]*$|^[~/]?$")
@@ -56,7 +55,7 @@ def parse_value(text: str) -> Any:  # noqa: ANN401  (YAML gives what it holds)
     yaml.version = (1, 1)
     try:
         return yaml.load(StringIO(text)) if text else ""
-    except YAMLError:
+    except Exception:  # noqa: BLE001  (dates that are none, numbers without end: all that it may be)
         return text
 
 

@@ -191,3 +191,21 @@ def test_a_declared_latin_1_is_read():
     text = '<?xml version="1.0" encoding="ISO-8859-1"?><launch><!-- für -->{}</launch>'
     nodes = read_launch(text.format(NODE.format("")).encode("latin-1"))
     assert [node.type for node in nodes] == ["a.py"]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        '<include file="$(find unit4)/launch/large.launch"/>' * 3,
+        '<rosparam file="$(find unit4)/launch/large.yaml"/>' * 3,
+        f"<rosparam>{'a: 1 ' * 8000}</rosparam>",
+        NODE.format(f'<param name="a" type="yaml" value="{"[1, 2], " * 8000}"/>'),
+    ],
+)
+def test_what_would_take_long_to_read_is_not_read(text):
+    files = {
+        "launch/large.launch": b"<launch>" + b'<arg name="a" value="1"/>' * 7500 + b"</launch>",
+        "launch/large.yaml": b"- 1\n" * 5000,
+    }
+    with pytest.raises(LaunchError, match="too large"):
+        read_launch(f"<launch>{text}</launch>".encode(), files=files)

@@ -64,3 +64,10 @@ def test_illegal_names(name: str) -> None:
 )
 def test_a_topic_is_resolved_twice(mappings: dict[str, str], topic: str) -> None:
     assert Names(mappings).topic("a") == topic
+
+
+@pytest.mark.parametrize(
+    "text", ["2001-02-30", "9" * 5000, "!!bool maybe", "!!int ''", "[" * 3000, "{a: [1, 2}"]
+)
+def test_a_parameter_that_is_no_yaml_is_the_text_itself(text):
+    assert parse_value(text) == text
