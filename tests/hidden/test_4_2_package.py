@@ -127,7 +127,7 @@ def _run(grade, package, stem, frames, did):
 
 
 def _has_corners(run):
-    return any(np.size(value) for _, value in run.topics.get(CORNERS, []))
+    return any(_outline(value) is not None for _, value in run.topics.get(CORNERS, []))
 
 
 def _by_frame(messages, frames):
