@@ -128,7 +128,7 @@ def run_node(
     played = Path(folder.name) / "played.txt" if progress else None
     if played:
         options.append(f"--progress={played}")
-    # -P: files beside a notebook, such as its own random.py, are none of a node's modules on a robot.
+    # -P: what lies beside a notebook, such as its own random.py, is no module on a robot either.
     command = [sys.executable, "-P", "-m", "course_lib.offline_ros", f"--record={record}", *options]
     status = _run([*command, str(node), *_arguments(remap or {}, params or {})], printed, played)
     output = _tail(printed)
