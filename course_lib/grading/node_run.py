@@ -174,8 +174,8 @@ def _value(message: Any) -> object:  # noqa: ANN401
     if kind == "sensor_msgs/Image":
         return _picture(message)
     if kind == "sensor_msgs/CompressedImage":
-        data = np.frombuffer(message.data, np.uint8)
-        return cv2.imdecode(data, cv2.IMREAD_COLOR) if data.size else None
+        packed = np.frombuffer(message.data, np.uint8)
+        return cv2.imdecode(packed, cv2.IMREAD_COLOR) if packed.size else None
     data = getattr(message, "data", None)
     if kind.startswith("std_msgs/") and data is not None:
         return np.asarray(data) if kind.endswith("MultiArray") else data
