@@ -28,6 +28,8 @@ from course_lib.grading.sandbox import keeper
 _WARM = (
     "IPython.core.completer",
     "IPython.core.completerlib",
+    "IPython.core.debugger",
+    "IPython.core.logger",
     "IPython.core.magics",
     "IPython.core.magics.ast_mod",
     "IPython.core.magics.execution",
@@ -44,6 +46,7 @@ _WARM = (
     "ipykernel.ipkernel",
     "matplotlib.pyplot",
     "matplotlib_inline.backend_inline",
+    "stack_data",  # for the first traceback
     "tornado.platform.asyncio",
 )
 _WARM_FOR_NODES = "course_lib.grading.node_run"
