@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from course_lib.grading.launch_scope import Scope
 from course_lib.grading.launch_values import split_words
 from course_lib.grading.launch_xml import LaunchError, read_xml
-from course_lib.offline_ros.names import parse_value, split_arguments
+from course_lib.offline_ros.names import split_arguments
 
 if TYPE_CHECKING:
     import xml.etree.ElementTree as ET
@@ -78,11 +78,12 @@ def read_launch(
     """
     scope = Scope({"unit4", package}, files or {})
     reader = _Reader()
-    reader.read(_root(data), scope)
+    reader.read(_root(data, scope), scope)
     return reader.nodes(scope.params)
 
 
-def _root(data: bytes) -> ET.Element:
+def _root(data: bytes, scope: Scope) -> ET.Element:
+    scope.allowance.take(data)
     root = read_xml(data)
     if root.tag != "launch":
         raise LaunchError(f"should begin with <launch>, not <{str(root.tag)[:40]}>")
@@ -124,7 +125,7 @@ class _Reader:
         if data is None or self._included > _MOST_INCLUDED:
             return
         try:
-            self.read(_root(data), scope.included(element, path), depth)
+            self.read(_root(data, scope), scope.included(element, path), depth)
         except LaunchError as error:
             raise LaunchError(f"includes {path}, which {error}") from None
 
@@ -151,7 +152,7 @@ class _Reader:
             if not left.startswith("_"):
                 remaps[left] = right
             elif not left.startswith("__"):
-                scope.params.put(f"{full}/{left[1:]}", parse_value(right))
+                scope.params.put(f"{full}/{left[1:]}", scope.parsed(right))
         remaps |= {"__ns": scope.namespace} if scope.namespace else {}
         remaps |= {"__name": name} if name else {}
         node = LaunchNode(package, kind, name, {}, remaps, tuple(arguments))

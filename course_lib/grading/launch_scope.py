@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Self
 from course_lib.grading.launch_params import Parameters
 from course_lib.grading.launch_text import Surroundings
 from course_lib.grading.launch_values import PACKAGE_FOLDER, converted, joined
-from course_lib.grading.launch_xml import MOST_BYTES, LaunchError
+from course_lib.grading.launch_xml import MOST_BYTES, Allowance, LaunchError
 from course_lib.offline_ros.names import parse_value
 
 if TYPE_CHECKING:
@@ -32,6 +32,8 @@ class Scope:
         Its files.
     params : Parameters
         Of the whole launch.
+    allowance : Allowance
+        For all files of the launch.
     args, remaps : dict
     everyones : dict of str to object
         Parameters that are private to each node that follows.
@@ -50,6 +52,7 @@ class Scope:
     packages: Collection[str]
     files: Mapping[str, bytes]
     params: Parameters = field(default_factory=Parameters)
+    allowance: Allowance = field(default_factory=Allowance)
     args: dict[str, str | None] = field(default_factory=dict)
     remaps: dict[str, str] = field(default_factory=dict)
     everyones: dict[str, Any] = field(default_factory=dict)
@@ -92,6 +95,11 @@ class Scope:
         """Return an attribute with its substitutions; None where there is none, or not known."""
         text = element.get(key)
         return None if text is None else self._fill(text)
+
+    def parsed(self, text: str) -> Any:  # noqa: ANN401
+        """Return what YAML comes to."""
+        self.allowance.take(text, yaml=True)
+        return parse_value(text)
 
     def file(self, element: ET.Element) -> tuple[str, bytes | None]:
         """Return the path that the attribute `file` gives, and, in the package, what it holds."""
@@ -153,6 +161,9 @@ class Scope:
         kind = element.get("type", "auto")
         if not name or value is None:
             return
+        if kind.lower() == "yaml":
+            self._put(name, self.parsed(value))
+            return
         try:
             self._put(name, converted(value.strip(), kind))
         except ValueError:
@@ -170,7 +181,7 @@ class Scope:
             text = self._fill(text or "")
         if not text or not text.strip():
             return
-        loaded = parse_value(text)
+        loaded = self.parsed(text)
         name, space = (self.text(element, key) or "" for key in ("param", "ns"))
         if not name and not isinstance(loaded, dict):
             raise LaunchError("has a <rosparam> with neither `name: value` lines nor param=")

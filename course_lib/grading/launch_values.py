@@ -6,8 +6,6 @@ import shlex
 from contextlib import suppress
 from typing import Any
 
-from course_lib.offline_ros.names import parse_value
-
 # Known only where the node runs; what runs it puts the folders there.
 PACKAGE_FOLDER, HOME_FOLDER = "$(find unit4)", "$(env HOME)"
 _FOLDERS = (PACKAGE_FOLDER, HOME_FOLDER)
@@ -33,7 +31,7 @@ def joined(outer: str, inner: str) -> str:
 
 
 def converted(text: str, kind: str = "auto") -> Any:  # noqa: ANN401
-    """Make of a text what roslaunch makes of it.
+    """Make of a text what roslaunch makes of it, unless it is YAML.
 
     Parameters
     ----------
@@ -56,8 +54,6 @@ def converted(text: str, kind: str = "auto") -> Any:  # noqa: ANN401
             return _guessed(text)
         case "str" | "string":
             return text
-        case "yaml":
-            return parse_value(text)
         case "int":
             return int(text)
         case "double":

@@ -11,8 +11,31 @@ _LATIN_1 = re.compile(
 )
 
 
+_MOST_READ = 2 * MOST_BYTES  # of all files together
+_COST_OF_YAML = 10  # its reader is slow
+
+
 class LaunchError(ValueError):
     """A launch file that cannot be read, worded for its writer."""
+
+
+class Allowance:
+    """How much a launch file may still take in: it may name the same file again and again."""
+
+    def __init__(self) -> None:
+        self._left = _MOST_READ
+
+    def take(self, text: bytes | str, *, yaml: bool = False) -> None:
+        """Count what is about to be read.
+
+        Raises
+        ------
+        LaunchError
+            When it is too much.
+        """
+        self._left -= len(text) * (_COST_OF_YAML if yaml else 1)
+        if self._left < 0:
+            raise LaunchError("is, with all that it loads, far too large for what it is")
 
 
 def read_xml(data: bytes) -> ET.Element:

@@ -73,7 +73,7 @@ def read(path: str, found: Any) -> NodeRun:  # noqa: ANN401
             error=clean(error[-_LAST:]) if isinstance(error := found["error"], str) else None,
             log=clean(str(found["log"])[-_LAST:]),
         )
-    except (TypeError, KeyError, ValueError, AttributeError, OverflowError) as error:
+    except (TypeError, LookupError, ValueError, AttributeError, OverflowError) as error:
         raise BadValue(f"What {path} did could not be read.") from error
 
 

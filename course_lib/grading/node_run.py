@@ -174,7 +174,8 @@ def _value(message: Any) -> object:  # noqa: ANN401
     if kind == "sensor_msgs/Image":
         return _picture(message)
     if kind == "sensor_msgs/CompressedImage":
-        return cv2.imdecode(np.frombuffer(message.data, np.uint8), cv2.IMREAD_COLOR)
+        packed = np.frombuffer(message.data, np.uint8)
+        return cv2.imdecode(packed, cv2.IMREAD_COLOR) if packed.size else None
     data = getattr(message, "data", None)
     if kind.startswith("std_msgs/") and data is not None:
         return np.asarray(data) if kind.endswith("MultiArray") else data
@@ -182,12 +183,20 @@ def _value(message: Any) -> object:  # noqa: ANN401
 
 
 def _picture(message: Any) -> object:  # noqa: ANN401
-    """Give a picture as BGR; None for an encoding that no student is asked to publish."""
+    """Give a picture as BGR; None for an encoding that no student is asked to publish.
+
+    And where the data are not as many as height and width say: it is one picture that is wrong, and
+    what else the node published may be right.
+    """
     channels = {"bgr8": 3, "rgb8": 3, "mono8": 1, "8UC3": 3, "8UC1": 1}.get(message.encoding)
-    if channels is None:
+    data = np.frombuffer(bytes(message.data), np.uint8)
+    height, width = message.height, message.width
+    if channels is None or not data.size or not height or data.size % height:
         return None
-    rows = np.frombuffer(bytes(message.data), np.uint8).reshape(message.height, -1)
-    array = rows[:, : message.width * channels].reshape(message.height, message.width, channels)
+    rows = data.reshape(height, -1)
+    if width * channels > rows.shape[1]:
+        return None
+    array = rows[:, : width * channels].reshape(height, width, channels)
     return array[..., ::-1] if message.encoding == "rgb8" else array
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_lib.grading.channel import Channel, KernelGoneError, Message
 from course_lib.grading.pictures import pictures_of
-from course_lib.grading.sandbox import SandboxError, places
+from course_lib.grading.sandbox import LimitError, SandboxError, places
 from course_lib.grading.scratch import remove
 from course_lib.grading.text import clean
 
@@ -84,6 +84,7 @@ class Notebook:
         self._kernel: SandboxedKernel | None = None
         self._channel: Channel | None = None
         self._starts = 0
+        self._why_no_other = "it had died too often, or the time for this submission was up"
         self._sources: list[str] = []  # cells that left their kernel alive
         self._running = ("", "")  # request and source
         self._updates: dict[str, Mapping[str, Any]] = {}  # of displays, the last of each
@@ -106,10 +107,16 @@ class Notebook:
             return self._channel
         self.close()
         if self._starts >= _MOST_STARTS or not self.seconds_left():
-            raise KernelGoneError("it had died too often, or the time for this submission was up")
+            raise KernelGoneError(self._why_no_other)
         self._starts += 1
         self._lay_out()
-        self._kernel = self._launcher.kernel(self._folder)
+        try:
+            self._kernel = self._launcher.kernel(self._folder)
+        except LimitError as error:
+            self.events.append(str(error))
+            self._starts = _MOST_STARTS  # the next would do no better
+            self._why_no_other = str(error)
+            raise KernelGoneError(self._why_no_other) from None
         self._channel = Channel(self._kernel, self._limits.output_bytes)
         for source in list(self._sources):
             if not self._execute_again(source):

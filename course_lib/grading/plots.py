@@ -34,9 +34,9 @@ def shows_plot(picture: Image) -> bool:
         What was drawn, BGR.
     """
     scale = min(1.0, _WIDTH / picture.shape[1])
-    small = np.asarray(
-        cv2.resize(picture, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA), np.uint8
-    )
+    # A strip one pixel high stays one pixel high.
+    size = [max(1, round(side * scale)) for side in picture.shape[1::-1]]
+    small = np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
     height, width = small.shape[:2]
     ground = background_colour(small)
     ink = (np.abs(small.astype(np.int16) - ground).max(axis=2) > _STANDS_OUT).astype(np.uint8)

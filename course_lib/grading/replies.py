@@ -81,12 +81,10 @@ def outcome(what: str, content: Mapping[str, Any], buffers: Sequence[bytes]) -> 
         except wire.BadDataError as error:
             raise BadValue(f"What {what} returned could not be read: {error}.") from error
     if status == "bad":
-        raise BadValue(
-            f"What {what} returned could not be read: {clean(str(content.get('message')))}."
-        )
+        raise BadValue(f"What {what} returned could not be read: {_text(content, 'message')}.")
     if status != "error":
         raise TimedOut(f"{what} was interrupted.")
-    kind, message = (clean(str(content.get(name, ""))).strip() for name in ("type", "message"))
+    kind, message = _text(content, "type"), _text(content, "message")
     kinds = content.get("kinds")
     kinds = kinds if isinstance(kinds, list) else []
     if kind == "_MissingError":
@@ -95,7 +93,13 @@ def outcome(what: str, content: Mapping[str, Any], buffers: Sequence[bytes]) -> 
         )
     if "NotImplementedError" in kinds:
         raise NotDone(f"{what} is not done yet (it raises NotImplementedError).")
-    line = clean(str(content.get("line", "")), 300).strip()
+    line = _text(content, "line", 300)
     where = f" in the line `{line}`" if line else ""
     said = f"{what} raised {kind}: {message}{where}" if message else f"{what} raised {kind}{where}"
     raise Raised(f"{said.rstrip('.')}.{hint(kind, message)}", on_purpose=line.startswith("raise "))
+
+
+def _text(content: Mapping[str, Any], name: str, limit: int = 2000) -> str:
+    """Give a text of a reply; a stranger may put anything there, too deep even to be shown."""
+    found = content.get(name)
+    return clean(found, limit).strip() if isinstance(found, str) else ""

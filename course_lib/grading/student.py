@@ -202,7 +202,10 @@ class Student:
         return node_answer.read(path, found)
 
     def _request(self, what: str, operation: str, arguments: object, seconds: float) -> Any:  # noqa: ANN401
-        tree, buffers = wire.encode(arguments)
+        try:
+            tree, buffers = wire.encode(arguments)
+        except wire.BadDataError as error:  # what the student made goes back in: a launch file's
+            raise BadValue(f"What {what} is to be given cannot be sent: {error}.") from None
         try:
             channel = self._notebook.channel()  # a new kernel first executes the cells again
             deadline = time.monotonic() + min(seconds, self._notebook.seconds_left())

@@ -224,7 +224,11 @@ def _read_all(folder: Path) -> tuple[list[notebooks.Found], list[tuple[Path, str
     if not found:
         scripts = [p for p in tree(folder) if p.suffix.lower() == ".py" and "unit4" not in p.parts]
         for path in scripts:
-            script = notebooks.read(path)
+            try:
+                script = notebooks.read(path)
+            except notebooks.UnreadableError as error:
+                broken.append((path, notebooks.describe(path, error)))
+                continue
             if any(sum(script.belongs_to(exercise)[:1]) for exercise in notebooks.FUNCTIONS):
                 found.append(script)
     return found, broken

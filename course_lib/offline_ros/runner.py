@@ -131,7 +131,8 @@ def run_node(
     shared = {name: value for name, value in (params or {}).items() if name.startswith("/")}
     own = {name: value for name, value in (params or {}).items() if name not in shared}
     options += [f"--param={name}:={as_yaml(value)}" for name, value in shared.items()]
-    command = [sys.executable, "-m", "course_lib.offline_ros", f"--record={record}", *options]
+    # -P: what lies beside a notebook, such as its own random.py, is no module on a robot either.
+    command = [sys.executable, "-P", "-m", "course_lib.offline_ros", f"--record={record}", *options]
     status = _run([*command, str(node), *_arguments(remap or {}, own)], printed, played)
     output = _tail(printed)
     if status == 2 and not record.exists():

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import errno
 import json
+import shutil
 import zipfile
+from pathlib import Path
 
 import nbformat
 import pytest
@@ -122,6 +124,32 @@ def test_a_number_without_end_is_not_called_deep(tmp_path):
     (tmp_path / "in" / "exercise_4_1.ipynb").write_text('{"nbformat": ' + "9" * 100_000 + "}")
     found = stage(Source("student", (tmp_path / "in",)), tmp_path / "staged")
     assert "it holds a number without end" in found.problems["4.1"]
+
+
+@pytest.mark.parametrize("packed", [False, True])
+def test_thousands_of_files_beside_it_hide_no_exercise(tmp_path, packed):
+    """As an environment of Python's, or a flight's frames, which come earlier in the alphabet."""
+    (tmp_path / "ada" / "env").mkdir(parents=True)
+    for number in range(1200):
+        (tmp_path / "ada" / "env" / f"{number}.py").write_text("x = 1")
+    cell = new_code_cell("def crop_waterhole(frame):\n    return frame")
+    nbformat.write(new_notebook(cells=[cell]), tmp_path / "ada" / "exercise_4_2.ipynb")
+    (tmp_path / "ada" / "unit4").mkdir()
+    (tmp_path / "ada" / "unit4" / "package.xml").write_text("<package/>")
+    source = tmp_path / "ada"
+    if packed:
+        source = Path(shutil.make_archive(str(tmp_path / "bob"), "zip", tmp_path, "ada"))
+    found = stage(Source("student", (source,)), tmp_path / "staged")
+    assert "4.2" in found.notebooks
+    assert (found.folder / "unit4" / "package.xml").is_file()
+    assert "Your submission has more than 1000 files; the rest was left out." in found.notes
+
+
+def test_a_script_that_is_far_too_long_is_named(tmp_path):
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in" / "exercise_4_1.py").write_text("x = 1\n" * 400_000)
+    found = stage(Source("student", (tmp_path / "in",)), tmp_path / "staged")
+    assert "exercise_4_1.py holds more than two million characters" in found.problems["4.1"]
 
 
 def test_a_full_disk_is_not_the_files_fault(tmp_path, monkeypatch):

@@ -231,3 +231,21 @@ def test_yaml_of_odd_types_becomes_text():
 @pytest.mark.parametrize("expression", ["'%1000000000d' % 5", "'a' * 10**9", "9**9**9", "-'a'"])
 def test_eval_that_grows_is_not_worked_out(expression):
     assert only(NODE.format(f'<param name="x" value="$(eval {expression})"/>')).params == {}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        '<include file="$(find unit4)/launch/large.launch"/>' * 3,
+        '<rosparam file="$(find unit4)/launch/large.yaml"/>' * 3,
+        f"<rosparam>{'a: 1 ' * 8000}</rosparam>",
+        NODE.format(f'<param name="a" type="yaml" value="{"[1, 2], " * 8000}"/>'),
+    ],
+)
+def test_what_would_take_long_to_read_is_not_read(text):
+    files = {
+        "launch/large.launch": b"<launch>" + b'<env name="a" value="1"/>' * 7500 + b"</launch>",
+        "launch/large.yaml": b"a: 1\n" * 4000,
+    }
+    with pytest.raises(LaunchError, match="too large"):
+        read_launch(f"<launch>{text}</launch>".encode(), files=files)

@@ -130,6 +130,23 @@ except OSError:
         server.communicate()
 
 
+def test_it_has_no_sockets_that_no_container_holds(launcher: Launcher, folder: Path) -> None:
+    code = """
+import socket
+got = []
+for family in set(range(1, 60)) - {1, 2, 10, 16}:
+    for kind in (1, 2, 3, 5):
+        try:
+            socket.socket(family, kind)
+            got.append((family, kind))
+        except OSError as error:
+            assert error.errno == 97, error
+print(got)
+"""
+    with launcher.kernel(folder) as kernel:
+        assert run(kernel, code) == "[]"
+
+
 def test_it_cannot_gain_powers(launcher: Launcher, folder: Path) -> None:
     code = """
 import ctypes

@@ -28,6 +28,11 @@ CROP_FIRST = (
     "put that right first, and save the template anew."
 )
 
+UNREADABLE = (
+    f"The pictures on {PICTURE} cannot be read: publish bgr8, with the height and width that its "
+    'data have, as bridge.cv2_to_imgmsg(picture, "bgr8") does.'
+)
+
 
 @points(1.5, "4.2.7", "The package is complete: package.xml, CMakeLists.txt, launch files, nodes")
 def test_package(student, grade):
@@ -127,7 +132,7 @@ def _run(grade, package, stem, frames, did):
 
 
 def _has_corners(run):
-    return any(np.size(value) for _, value in run.topics.get(CORNERS, []))
+    return any(_outline(value) is not None for _, value in run.topics.get(CORNERS, []))
 
 
 def _by_frame(messages, frames):
@@ -195,7 +200,7 @@ def _judge_pictures(grade, pictures, frames, corners):
     outlined = {stamp: picture for stamp, picture in pictures.items() if picture is not None}
     shown = [stamp for stamp in outlined if corners.get(stamp) is not None]
     if not shown:
-        grade.add(0.0, out_of=0.5)
+        grade.add(0.0, out_of=0.5, message=UNREADABLE if pictures and not outlined else None)
         return
     faults = [_not_outlined(outlined[stamp], frames[stamp]) for stamp in shown]
     grade.add(faults.count(None) / len(faults), out_of=0.5, message=max(faults, key=bool))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from numbers import Real
 
 from course_lib.grading.geometry import credit
@@ -62,10 +63,10 @@ def test_best_match_count(student, grade, seeds):
     searched = [hole.absent[0], *hole.searched, hole.absent[-1]]
     best = _ask(student, grade, hole, searched, CANDIDATES)
     # The right one comes first, so that it is not the last.
-    again = _ask(student, grade, hole, hole.searched, TURNED) if best in CANDIDATES else best
-    number = isinstance(best, Real) and not isinstance(best, bool) and best == int(best)
+    known = _is_count(best) and best in CANDIDATES
+    again = _ask(student, grade, hole, hole.searched, TURNED) if known else best
     none = " It returns None: is a return missing?" if best is None else ""
-    grade.check(number, f"best_match_count should return a whole number.{none}")
+    grade.check(_is_count(best), f"best_match_count should return a whole number.{none}")
     place = (
         " Is it the candidate's place in the list, or in how many frames it was found? Return the "
         "candidate itself."
@@ -73,7 +74,7 @@ def test_best_match_count(student, grade, seeds):
         else ""
     )
     grade.check(
-        best in CANDIDATES and again in TURNED,
+        known and _is_count(again) and again in TURNED,
         "best_match_count returns a count that is not among the candidates it was given. Try each "
         f"of candidates, and no others.{place}",
     )
@@ -85,6 +86,12 @@ def test_best_match_count(student, grade, seeds):
         grade.note(_why(int(best), int(again)))
     if not hole.finds():
         grade.lose("The choice counts once locate_waterhole finds the waterhole.")
+
+
+def _is_count(value):
+    """Tell whether something is a whole number: no array, no truth value, neither NaN nor inf."""
+    number = isinstance(value, Real) and not isinstance(value, bool)
+    return number and math.isfinite(value) and value == int(value)
 
 
 def _ask(student, grade, hole, frames, candidates):

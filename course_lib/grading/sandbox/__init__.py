@@ -14,14 +14,27 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from course_lib.grading.sandbox.choice import NoSandboxError, SandboxError, choose
+from course_lib.grading.sandbox.choice import (
+    LimitError,
+    NoSandboxError,
+    SandboxError,
+    choose,
+)
 from course_lib.grading.sandbox.limits import Limits
 
 if TYPE_CHECKING:
     from course_lib.grading.sandbox.kernel import SandboxedKernel
     from course_lib.grading.sandbox.launcher import Launcher
 
-__all__ = ["Launcher", "Limits", "NoSandboxError", "SandboxError", "SandboxedKernel", "choose"]
+__all__ = [
+    "Launcher",
+    "LimitError",
+    "Limits",
+    "NoSandboxError",
+    "SandboxError",
+    "SandboxedKernel",
+    "choose",
+]
 
 
 def __getattr__(name: str) -> object:

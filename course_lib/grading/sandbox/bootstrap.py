@@ -61,9 +61,8 @@ def run(connection: dict[str, Any], listeners: list[int], *, loopback: bool) -> 
     if not loopback:
         IOPubThread._setup_pipe_in = _no_pipe  # type: ignore[method-assign]  # noqa: SLF001
     sys.argv = ["kernel"]
-    if "" not in sys.path:
-        sys.path.insert(0, "")  # after everything the course needs has been imported
     app = _App.instance()
+    app.ignore_cwd = True
     app.listeners = dict(enumerate(listeners, start=1))
     app.transport, app.ip = "ipc", connection["ip"]
     app.shell_port, app.iopub_port, app.stdin_port, app.control_port, app.hb_port = 1, 2, 3, 4, 5
@@ -78,6 +77,8 @@ def run(connection: dict[str, Any], listeners: list[int], *, loopback: bool) -> 
     _run_commands_without_terminal(shell)
     make_do_without_shared_memory()
     agent.install(app)
+    if "" not in sys.path:  # not before: a student may well have a file called code.py
+        sys.path.insert(0, "")
     app.start()  # type: ignore[no-untyped-call]
 
 

@@ -13,6 +13,10 @@ class SandboxError(RuntimeError):
     """The sandbox itself failed; not the submission's fault."""
 
 
+class LimitError(RuntimeError):
+    """A submission exceeded a limit before its kernel was ready: no fault of the sandbox."""
+
+
 class NoSandboxError(RuntimeError):
     """Nothing here can hold a stranger's code."""
 

@@ -104,6 +104,9 @@ _CLONE, _SOCKET, _PAIR, _CONNECT, _MMAP = (56, 220), (41, 198), (53, 199), (42, 
 _FCNTL, _SET_LEASE = (72, 25), 1024
 _NEW_NAMESPACES, _ANOTHERS_CHILD = 0x7E020000, 0x8000
 _AF_UNIX, _STREAM, _SEQUENCE, _TYPE = 1, 1, 5, 0x0F
+# Families of which a container has a network of its own: IPv4, IPv6, netlink, which describes it.
+# Others reach what is outside (vsock: a virtual machine's host), or deep into the system.
+_OF_CONTAINERS = (_AF_UNIX, 2, 10, 16)
 _SHARED, _ANONYMOUS, _HUGE = 1, 0x20, 0x40000
 _ALLOW, _ERROR, _KILL = 0x7FFF0000, 0x00050000, 0x80000000
 _ENOSYS, _EPERM, _EAFNOSUPPORT = 38, 1, 97
@@ -278,9 +281,13 @@ def denying(*, local_only: bool) -> bytes:
     shared = [statement(keep, _ANONYMOUS | _SHARED), jump(equal, _ANONYMOUS | _SHARED, 0, 1)]
     huge = [argument(3), jump(any_bit, _HUGE, 0, 1), refuse]
     program += of(_MMAP, *huge, argument(3), *shared, refuse)
+    unknown = statement(answer, _ERROR | _EAFNOSUPPORT)  # libraries know it: old machines
+    if not local_only:
+        ways = enumerate(_OF_CONTAINERS)
+        known = [jump(equal, family, len(_OF_CONTAINERS) - place, 0) for place, family in ways]
+        program += of(_SOCKET, argument(0), *known, unknown)
     if local_only:
         # Without namespaces of its own it could reach every service that listens on a path.
-        unknown = statement(answer, _ERROR | _EAFNOSUPPORT)  # libraries know it: old machines
         local = [argument(0), jump(equal, _AF_UNIX, 1, 0), unknown]
         # What needs no connection needs no permission to connect either.
         connected = [argument(1), statement(keep, _TYPE), jump(equal, _STREAM, 2, 0)]

@@ -10,7 +10,7 @@ from jupyter_client.blocking.client import BlockingKernelClient
 from jupyter_client.kernelspec import KernelSpec
 from jupyter_client.manager import KernelManager
 
-from course_lib.grading.sandbox.choice import SandboxError
+from course_lib.grading.sandbox.choice import LimitError, SandboxError
 from course_lib.grading.sandbox.provisioner import SandboxProvisioner
 
 if TYPE_CHECKING:
@@ -81,8 +81,9 @@ class SandboxedKernel:
             if client.shell_channel.socket.poll(5000) and client.iopub_channel.socket.poll(20):
                 _empty(client)
                 return client
-        reason = ", ".join(self.events) or "no answer"
-        raise SandboxError(f"the kernel did not start: {reason}")
+        if self.events:  # what was handed in fills the folder, say
+            raise LimitError(", ".join(self.events))
+        raise SandboxError("the kernel did not start: no answer")
 
     def is_alive(self) -> bool:
         """Tell whether the kernel's process lives."""

@@ -115,6 +115,8 @@ class Launcher:
         ------
         SandboxError
             When the sandbox fails.
+        LimitError
+            When a limit is exceeded at once.
         """
         if self._control is None:
             raise SandboxError("use the launcher as a context manager")

@@ -48,6 +48,7 @@ _WARM = (
     "matplotlib.pyplot",
     "matplotlib_inline.backend_inline",
     "pdb",
+    "stack_data",  # for the first traceback
     "tornado.platform.asyncio",
     "zmq.utils.garbage",
 )

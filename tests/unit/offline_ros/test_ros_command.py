@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 from synthetic_bag import NODES
 
+import course_lib
 from course_lib.offline_ros import Recording
 
 
@@ -53,6 +54,21 @@ def test_command_tells_wrong_usage(bag: Path) -> None:
     crashed = command(NODES / "crash.py", "--bag", bag)
     assert crashed.returncode == 1
     assert "third picture is too much" in crashed.stderr
+
+
+def test_a_traceback_holds_the_nodes_own_lines_where_the_course_is_linked_to(
+    bag: Path, tmp_path: Path
+) -> None:
+    course = Path(course_lib.__file__).parent
+    (tmp_path / "linked" / course.name).mkdir(parents=True)
+    for part in course.iterdir():
+        (tmp_path / "linked" / course.name / part.name).symlink_to(part)
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path / "linked")}
+    crashed = command(
+        NODES / "crash.py", "--bag", bag, "--quiet", env=environment, cwd=tmp_path / "linked"
+    )
+    assert "third picture is too much" in crashed.stderr
+    assert "offline_ros" not in crashed.stderr
 
 
 def test_interrupt_runs_the_hooks_and_leaves_nothing_behind(bag: Path, tmp_path: Path) -> None:

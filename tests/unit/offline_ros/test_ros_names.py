@@ -103,3 +103,10 @@ def test_values_are_rospys_yaml() -> None:
     ] == [
         *("y", "n", False, "1e3", 1000.0, "[1", "2026-13-01"),
     ]
+
+
+@pytest.mark.parametrize(
+    "text", ["2001-02-30", "9" * 5000, "!!bool maybe", "!!int ''", "[" * 3000, "{a: [1, 2}"]
+)
+def test_a_parameter_that_is_no_yaml_is_the_text_itself(text):
+    assert parse_value(text) == text
