@@ -9,9 +9,18 @@ from typing import Any
 
 from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
+from ruamel.yaml.resolver import VersionedResolver
 
 _ARGUMENT = re.compile(r"^(?P<name>[~/\w][\w/]*):=(?P<value>.*)$", re.DOTALL)
 _LEGAL = re.compile(r"^[~/A-Za-z][\w/]*$|^[~/]?$")
+
+
+class _Resolver(VersionedResolver):
+    """PyYAML's, which ROS reads with: there, `n: 58` is a count, and not what is false."""
+
+    def resolve(self, kind: Any, value: Any, implicit: Any) -> Any:  # noqa: ANN401
+        is_letter = value in {"y", "Y", "n", "N"} if isinstance(value, str) else False
+        return super().resolve(kind, value, (False, True) if is_letter else implicit)
 
 
 def split_arguments(argv: list[str]) -> tuple[list[str], dict[str, str]]:
@@ -54,6 +63,7 @@ def parse_value(text: str) -> Any:  # noqa: ANN401  (YAML gives what it holds)
     """
     yaml = YAML(typ="safe", pure=True)
     yaml.version = (1, 1)
+    yaml.Resolver = _Resolver
     try:
         return yaml.load(StringIO(text)) if text else ""
     except YAMLError:
