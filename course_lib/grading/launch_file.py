@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
 _MOST_DEPTH = 20
 _MOST_INCLUDED = 50
+_MOST_SHARED = 500  # parameters
 _MOST_TEXT = 2000  # of a value: arguments made of arguments could double at every step
 _WHOLE_EVAL = re.compile(r"\$\(eval (.*)\)", re.DOTALL)
 _SUBSTITUTION = re.compile(r"\$\((\w++)([^()]*+)\)")
@@ -55,6 +56,8 @@ class LaunchNode:
         Names to use in place of others; `__ns` is the namespace, `__name` the name.
     arguments : tuple of str
         What else its command line holds. Texts may hold the folders, too.
+    shared : dict of str to object
+        The parameters that stand outside of nodes, such as ``/match_count``, for all to read.
     """
 
     package: str
@@ -63,6 +66,7 @@ class LaunchNode:
     params: dict[str, Any]
     remaps: dict[str, str]
     arguments: tuple[str, ...] = ()
+    shared: dict[str, Any] = field(default_factory=dict)
 
 
 @dataclass
@@ -105,7 +109,7 @@ def read_launch(
     LaunchError
         When it is no launch file.
     """
-    return _Reader(package, files or {}).nodes(_root(data), _Scope({}))
+    return _Reader(package, files or {}).all(_root(data))
 
 
 def _root(data: bytes) -> ET.Element:
@@ -120,6 +124,13 @@ class _Reader:
         self._packages = {"unit4", package}
         self._files = files
         self._included = 0
+        self._shared: dict[str, Any] = {}
+
+    def all(self, root: ET.Element) -> list[LaunchNode]:
+        """Return the nodes of a whole file."""
+        found = self.nodes(root, _Scope({}))
+        # roslaunch sets all parameters before it starts the first node.
+        return [replace(node, shared=self._shared) for node in found]
 
     def nodes(self, element: ET.Element, scope: _Scope, depth: int = 0) -> list[LaunchNode]:
         """Return the nodes below an element, in order."""
@@ -131,7 +142,7 @@ class _Reader:
                 continue
             if child.tag == "group":
                 inner = scope.inner()
-                inner.namespace = joined(scope.namespace, child.get("ns", ""))
+                inner.namespace = self._namespace(child, scope)
                 found += self.nodes(child, inner, depth + 1)
             elif child.tag == "node":
                 found.append(self._node(child, scope.inner()))
@@ -156,12 +167,15 @@ class _Reader:
         inner = scope.inner()
         inner.args = {n: v for n, v in given.args.items() if passed or n in names}
         inner.given = frozenset(inner.args)
-        inner.namespace = joined(scope.namespace, element.get("ns", ""))
+        inner.namespace = self._namespace(element, scope)
         inner.folder = posixpath.dirname(name)
         try:
             return self.nodes(_root(data), inner, depth)
         except LaunchError as error:
             raise LaunchError(f"includes {name}, which {error}") from None
+
+    def _namespace(self, element: ET.Element, scope: _Scope) -> str:
+        return joined(scope.namespace, self._text(element.get("ns", ""), scope, ""))
 
     def _file(self, element: ET.Element, scope: _Scope) -> tuple[str, bytes | None]:
         """Return the path that an element's attribute `file` gives, and what it holds."""
@@ -188,7 +202,7 @@ class _Reader:
                 params[left[1:]] = parse_value(right)
             elif not left.startswith("__"):
                 scope.remaps[left] = right
-        namespace = joined(scope.namespace, element.get("ns", ""))
+        namespace = self._namespace(element, scope)
         remaps = scope.remaps | ({"__ns": namespace} if namespace else {})
         if name:
             remaps["__name"] = name
@@ -196,7 +210,7 @@ class _Reader:
 
     def _setting(self, element: ET.Element, scope: _Scope, *, within: bool = False) -> None:
         """Take an argument, a parameter or a remapping into the scope."""
-        name = element.get("name", "")
+        name = self._text(element.get("name", ""), scope, "")
         if element.tag == "arg" and name and name not in scope.given:
             value = element.get("value", element.get("default"))
             scope.args[name] = None if value is None else self._text(value, scope)
@@ -207,19 +221,36 @@ class _Reader:
         elif element.tag == "param" and name and "value" in element.attrib:
             value = self._text(element.get("value", ""), scope)
             if value is not None:
-                where = parameter_key(name, within=within)
-                scope.params[where] = typed(value, element.get("type", ""))
+                self._set(name, typed(value, element.get("type", "")), scope, within=within)
         elif element.tag == "rosparam" and element.get("command", "load") == "load":
-            data = self._file(element, scope)[1] if "file" in element.attrib else None
-            whole = (data or b"")[:MOST_BYTES].decode("utf-8-sig", "replace")
-            text = whole or self._text(element.text or "", scope) or ""
-            loaded = parse_value(text)
-            if name:
-                loaded = {name: loaded}
-            if isinstance(loaded, dict):
-                scope.params |= {
-                    parameter_key(str(key), within=within): loaded[key] for key in loaded
-                }
+            for key, loaded in self._loaded(element, scope).items():
+                self._set(str(key), loaded, scope, within=within)
+
+    def _set(self, name: str, value: object, scope: _Scope, *, within: bool) -> None:
+        """Set a parameter; outside of nodes, one for each leaf of a tree."""
+        waiting = [(name, value)]
+        while waiting:
+            name, value = waiting.pop()
+            if isinstance(value, dict) and not within and name.count("/") < _MOST_DEPTH:
+                room = _MOST_SHARED - len(self._shared) - len(waiting)
+                waiting += [(f"{name}/{key}", each) for key, each in value.items()][:room]
+                continue
+            key = parameter_key(name, within=within)
+            scope.params[key] = value
+            if key.startswith("/") and len(self._shared) < _MOST_SHARED:
+                self._shared["/" + joined(scope.namespace, name)] = value
+
+    def _loaded(self, element: ET.Element, scope: _Scope) -> dict[Any, Any]:
+        """Return what a <rosparam> sets: its text or its file is YAML."""
+        data = self._file(element, scope)[1] if "file" in element.attrib else None
+        whole = (data or b"")[:MOST_BYTES].decode("utf-8-sig", "replace")
+        if not whole or element.get("subst_value", "").lower() in {"true", "1"}:
+            whole = self._text(whole or element.text or "", scope) or ""
+        loaded = parse_value(whole)
+        outer = [self._text(element.get(key, ""), scope, "") for key in ("ns", "param")]
+        if where := joined(*outer):
+            loaded = {where: loaded}
+        return loaded if isinstance(loaded, dict) else {}
 
     def _applies(self, element: ET.Element, scope: _Scope) -> bool:
         for key, wanted in (("if", True), ("unless", False)):

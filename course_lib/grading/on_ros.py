@@ -51,8 +51,9 @@ def run_on_ros(
     bag : Path
         What is played.
     params, remap : mapping
-        Its private parameters and other names, as the student's launch file has them; if neither
-        is given, a launch file that sets something is left aside.
+        Its private parameters, those with a slash in front that are not its own, and other names,
+        as the student's launch file has them; if neither is given, a launch file that sets
+        something is left aside.
     given : sequence of str
         What else that file puts on its command line.
     timeout : float
@@ -141,6 +142,7 @@ def _launch_text(
         for source, target in remap.items()
         if not source.startswith("__")
     ]
-    lines += [rosparam(name, value) for name, value in params.items()]
+    lines += [rosparam(n, value) for n, value in params.items() if not n.startswith("/")]
+    shared = [rosparam(n, value) for n, value in params.items() if n.startswith("/")]
     start = " ".join(f"{name}={quoteattr(value)}" for name, value in attributes.items())
-    return f"<launch><node {start}>{''.join(lines)}</node></launch>"
+    return f"<launch>{''.join(shared)}<node {start}>{''.join(lines)}</node></launch>"

@@ -216,7 +216,8 @@ class Package:
         except FaultError:
             node = None  # that file has points of its own
         run = None
-        if node and (node.params or node.arguments or set(node.remaps) - {"__name"}):
+        given = node and (node.params or node.shared or node.arguments)
+        if node and (given or set(node.remaps) - {"__name"}):
             run = self._run(path, frames, node)
         if run is None or not did(run):
             bare = self._run(path, frames, None)
@@ -231,7 +232,7 @@ class Package:
             path,
             frames,
             topic=TOPIC,
-            params=node.params if node else None,
+            params=node.shared | node.params if node else None,
             remap=node.remaps if node else None,
             given=node.arguments if node else (),
             timeout=_NODE_SECONDS,

@@ -16,6 +16,7 @@ from course_lib.offline_ros.bag import BagSource
 from course_lib.offline_ros.errors import BagError
 from course_lib.offline_ros.flown import DRONE, SECONDS, DroneSource
 from course_lib.offline_ros.host import Host, Limits
+from course_lib.offline_ros.names import parse_value
 
 if TYPE_CHECKING:
     from course_lib.offline_ros.runtime import Runtime
@@ -92,6 +93,7 @@ def _parser() -> argparse.ArgumentParser:
     add("--progress", type=Path, help=argparse.SUPPRESS)
     # So that an option of the node is not taken for one of this command.
     add("--argument", action="append", default=[], help=argparse.SUPPRESS)
+    add("--shared", action="append", default=[], help=argparse.SUPPRESS)
     return parser
 
 
@@ -154,6 +156,9 @@ def main(argv: list[str] | None = None) -> int:
         duration=options.duration,
         keep_going=options.keep_going,
     )
+    for pair in options.shared:
+        name, _, value = pair.partition(":=")
+        host.runtime.parameters[name] = parse_value(value)
     done = threading.Event()
     bar = threading.Thread(target=_show_progress, args=(host.runtime, done), daemon=True)
     if not options.quiet and sys.stderr.isatty():

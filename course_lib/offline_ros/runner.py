@@ -32,6 +32,7 @@ def run_node(
     remap: Mapping[str, str] | None = None,
     params: Mapping[str, Any] | None = None,
     arguments: Sequence[str] = (),
+    shared: Mapping[str, Any] | None = None,
     topics: Collection[str] | None = None,
     timeout: float | None = None,
     max_frames: int | None = None,
@@ -61,6 +62,9 @@ def run_node(
         The node's private parameters, `{"match_count": 100}`.
     arguments : sequence of str, optional
         What else stands on its command line, `["--match-count", "100"]`.
+    shared : mapping of str to object, optional
+        Parameters that are not the node's own, as a launch file sets them outside of it, by their
+        whole names, `{"/match_count": 100}`.
     topics : collection of str, optional
         Play only these. Default: all.
     timeout : float, optional
@@ -119,6 +123,7 @@ def run_node(
     options += [f"--topic={topic}" for topic in topics or ()]
     options += [f"--keep={topic}" for topic in keep or ()]
     options += [f"--argument={argument}" for argument in arguments]
+    options += [f"--shared={name}:={_yaml(value)}" for name, value in (shared or {}).items()]
     if keep_going:
         options.append("--keep-going")
 
@@ -159,7 +164,10 @@ def _limits(limits: Mapping[str, float | None]) -> list[str]:
 def _arguments(remap: Mapping[str, str], params: Mapping[str, Any]) -> list[str]:
     for name in params:
         if name.startswith("/"):
-            msg = f"a node's parameters are private: give {name.rpartition('/')[2]!r}, not {name!r}"
+            msg = (
+                f"a node's parameters are private: give {name.rpartition('/')[2]!r}, not {name!r}, "
+                "or give it as shared"
+            )
             raise ValueError(msg)
     remaps = [f"{left}:={right}" for left, right in remap.items()]
     return remaps + [f"_{name.lstrip('~_')}:={_yaml(value)}" for name, value in params.items()]

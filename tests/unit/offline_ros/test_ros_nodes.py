@@ -102,6 +102,17 @@ def test_parameters_and_names(bag: Path) -> None:
     ]
 
 
+def test_parameters_that_are_not_the_nodes_own(bag: Path, tmp_path: Path) -> None:
+    node = tmp_path / "reads.py"
+    node.write_text(
+        "import rospy\nrospy.init_node('reads')\n"
+        "print(rospy.get_param('/n'), rospy.get_param('text'), rospy.get_param('/well'))\n"
+    )
+    shared = {"/n": 58, "/ns/text": "5", "/well/a": [1], "/well/b": {"c": True}}
+    recording = run_node(node, bag=bag, remap={"__ns": "ns"}, shared=shared)
+    assert recording.output == "58 5 {'a': [1], 'b': {'c': True}}\n"
+
+
 def test_crash_shows_the_nodes_own_lines_and_keeps_what_was_published(bag: Path) -> None:
     with pytest.raises(NodeError, match=r"crash\.py crashed") as caught:
         run_node(NODES / "crash.py", bag=bag)
