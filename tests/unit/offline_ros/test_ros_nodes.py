@@ -160,6 +160,41 @@ def test_timeout(bag: Path) -> None:
         run_node(NODES / "loops.py", bag=bag, params={"kind": "deaf"}, timeout=1)
 
 
+def test_modules_within_rospy_and_others(bag: Path, tmp_path: Path) -> None:
+    package = tmp_path / "mine"
+    (package / "src").mkdir(parents=True)
+    (package / "package.xml").write_text("<package><name>mine</name></package>")
+    node = package / "src" / "node.py"
+    node.write_text(
+        "import message_filters, roslib.packages, rospy, rospy.timer\n"
+        "from rospy.numpy_msg import numpy_msg\n"
+        "from rospy.rostime import Duration, wallsleep\n"
+        "from sensor_msgs.msg import Image\n"
+        "rospy.init_node('n')\n"
+        "print(roslib.packages.get_pkg_dir('mine'))\n"
+        "m = rospy.wait_for_message('/camera/rgb/image_raw', numpy_msg(Image))\n"
+        "print(type(m.data).__name__, m.data.reshape(m.height, m.step)[0, 0])\n"
+        "source = message_filters.Subscriber('/camera/rgb/image_raw', Image)\n"
+        "kept, seen = message_filters.Cache(source, 3), []\n"
+        "kept.registerCallback(seen.append)\n"
+        "wallsleep(1.05)\n"
+        "last = kept.getLatestTime()\n"
+        "print(len(seen), len(kept.getInterval(kept.getOldestTime(), last)))\n"
+        "print(kept.getElemBeforeTime(last) is kept.getLast() is seen[-1])\n"
+        "print(kept.getElemAfterTime(last - Duration(0.1)) is seen[-2])\n"
+        "print(kept.getElemAfterTime(last + Duration(1)))\n"
+    )
+    recording = run_node(node, bag=bag)
+    assert recording.output.splitlines() == [
+        str(package),
+        f"ndarray {frame(0)[0, 0, 0]}",
+        "10 3",
+        "True",
+        "True",
+        "None",
+    ]
+
+
 def test_windows_become_pictures(bag: Path) -> None:
     recording = run_node(NODES / "window.py", bag=bag)
     assert list(recording.windows) == ["camera"]
@@ -175,6 +210,8 @@ def test_windows_become_pictures(bag: Path) -> None:
         ("from std_srvs.srv import Empty", "std_srvs"),
         ("from sensor_msgs.srv import SetCameraInfo", "import sensor_msgs.srv is not supported"),
         ("cv2.selectROI('w', None)", "cv2.selectROI is not supported by offline_ros"),
+        ("from rospy.impl import tcpros", "import rospy.impl is not supported by offline_ros"),
+        ("import roslib.message", "import roslib.message is not supported by offline_ros"),
         ("rospy.nonsense()", "module 'rospy' has no attribute 'nonsense'"),
         ("from sensor_msgs.msg import Picture", "Picture"),
     ],
