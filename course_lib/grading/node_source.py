@@ -23,6 +23,14 @@ _HINTS = (
         "Was a function of the notebook, or an import, not carried into the node's file?",
     ),
     (
+        r"^ModuleNotFoundError: No module named 'unit4",
+        (
+            "That is your package: catkin makes its modules known if CMakeLists.txt calls "
+            "catkin_python_setup() and there is a setup.py. A file beside the node is found "
+            "without, by its own name."
+        ),
+    ),
+    (
         r"^TypeError: .*positional argument",
         (
             "ROS calls a callback with the message and nothing else: def callback(message), and in "

@@ -195,6 +195,23 @@ def test_modules_within_rospy_and_others(bag: Path, tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.parametrize("build", ["catkin_python_setup()", "# catkin_python_setup()"])
+def test_the_packages_own_modules(bag: Path, tmp_path: Path, build: str) -> None:
+    for folder in ("nodes", "src/mine"):
+        (tmp_path / folder).mkdir(parents=True)
+    (tmp_path / "package.xml").write_text("<package><name>mine</name></package>")
+    (tmp_path / "CMakeLists.txt").write_text(f"project(mine)\n{build}\ncatkin_package()\n")
+    (tmp_path / "setup.py").write_text("raise SystemExit('catkin runs this')")
+    (tmp_path / "src" / "mine" / "__init__.py").write_text("WORD = 'found'\n")
+    node = tmp_path / "nodes" / "node.py"
+    node.write_text("import rospy\nfrom mine import WORD\nprint(WORD)\n")
+    if build.startswith("#"):
+        with pytest.raises(NodeError, match="No module named 'mine'"):
+            run_node(node, bag=bag)
+    else:
+        assert run_node(node, bag=bag).output == "found\n"
+
+
 def test_windows_become_pictures(bag: Path) -> None:
     recording = run_node(NODES / "window.py", bag=bag)
     assert list(recording.windows) == ["camera"]
