@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from course_lib import images
-from course_lib.grading.drawn import largest_set, sightings
+from course_lib.grading.drawn import largest_set, lines_cross, sightings
 from course_lib.grading.published_flight import photo_boxes
 from course_lib.grading.rubric import points
 from course_lib.grading.student import StudentError
@@ -66,7 +66,9 @@ def _could_be(picture, mug, scene):
     scenes = [seen for seen in scenes if seen.drawn > OUTLINED]
     parts = []
     for one in list(mugs):
-        beside = [s for s in scenes if _beside(one.box, s.box, mug.shape[1] / scene.shape[1])]
+        ratio = mug.shape[1] / scene.shape[1]
+        beside = [s for s in scenes if _beside(one.box, s.box, ratio)]
+        beside += [s for s in scenes if lines_cross(picture, one.box, s.box)]
         if beside:
             parts.append(np.array([False, True, False]))
             mugs.remove(one)
