@@ -1,4 +1,4 @@
-"""`rospy.numpy_msg`: messages whose lists of numbers are arrays."""
+"""`rospy.numpy_msg`: messages whose lists of numbers are arrays; bytes stay bytes, as on ROS."""
 
 from __future__ import annotations
 
@@ -35,6 +35,6 @@ def _arrays(message: Any) -> Any:  # noqa: ANN401  (any message class)
     for name, kind in zip(message.__slots__, message._slot_types, strict=True):  # noqa: SLF001
         if found := _NUMBERS.fullmatch(kind):
             value = getattr(message, name)
-            make = np.frombuffer if isinstance(value, bytes) else np.array
-            setattr(message, name, make(value, np.dtype(found[1])))
+            if not isinstance(value, bytes):
+                setattr(message, name, np.array(value, np.dtype(found[1])))
     return message

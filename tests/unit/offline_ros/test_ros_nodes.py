@@ -173,7 +173,12 @@ def test_modules_within_rospy_and_others(bag: Path, tmp_path: Path) -> None:
         "rospy.init_node('n')\n"
         "print(roslib.packages.get_pkg_dir('mine'))\n"
         "m = rospy.wait_for_message('/camera/rgb/image_raw', numpy_msg(Image))\n"
-        "print(type(m.data).__name__, m.data.reshape(m.height, m.step)[0, 0])\n"
+        "print(type(m.data).__name__, m.data[0])\n"
+        "from std_msgs.msg import Float32MultiArray\n"
+        "numbers = rospy.Publisher('numbers', Float32MultiArray, queue_size=1, latch=True)\n"
+        "numbers.publish(data=[1.5, 2])\n"
+        "got = rospy.wait_for_message('numbers', numpy_msg(Float32MultiArray), timeout=1)\n"
+        "print(got.data.dtype, got.data)\n"
         "source = message_filters.Subscriber('/camera/rgb/image_raw', Image)\n"
         "kept, seen = message_filters.Cache(source, 3), []\n"
         "kept.registerCallback(seen.append)\n"
@@ -187,7 +192,8 @@ def test_modules_within_rospy_and_others(bag: Path, tmp_path: Path) -> None:
     recording = run_node(node, bag=bag)
     assert recording.output.splitlines() == [
         str(package),
-        f"ndarray {frame(0)[0, 0, 0]}",
+        f"bytes {frame(0)[0, 0, 0]}",
+        "float32 [1.5 2. ]",
         "10 3",
         "True",
         "True",
