@@ -285,6 +285,9 @@ def test_command_line_checks_the_saved_file(
     # A cell that raises, one that prints a lie, and one mistake.
     notebook.cells.insert(1, new_code_cell("1 / 0"))
     notebook.cells.append(new_code_cell("print('Exercise 4.1: all 6 right.')"))
+    # And one with an Output widget.
+    shown = "import ipywidgets\nipywidgets.interact(lambda n: print(n), n=9)"
+    notebook.cells.append(new_code_cell(shown))
     cell = next(c for c in notebook.cells if c.id == "match-keypoints")
     cell.source = cell.source.replace("m.distance)", "-m.distance)")
     path = tmp_path / "my exercise 4-1.ipynb"
