@@ -8,6 +8,7 @@ import re
 from pathlib import Path
 from typing import Any
 
+import cv2
 import nbformat
 import numpy as np
 import pytest
@@ -181,6 +182,30 @@ def test_other_detectors_are_right_too(detector: str, norm: str) -> None:
     create = f"(getattr(cv2, '{detector}', None) or cv2.xfeatures2d.{detector})()"
     text = source().replace("cv2.ORB_create(1000)", create).replace("NORM_HAMMING", norm)
     table = check("4.1", "find_keypoints", "match_keypoints", namespace=names(text))
+    assert table.is_right, repr(table)
+
+
+def test_a_ratio_test_is_right_too() -> None:
+    own = names(source())
+
+    def match(query: Any, train: Any) -> list[cv2.DMatch]:
+        pairs = cv2.BFMatcher(cv2.NORM_HAMMING).knnMatch(query, train, k=2)
+        kept = [m for m, n in pairs if m.distance < 0.8 * n.distance]
+        return sorted(kept, key=lambda m: m.distance)
+
+    own["match_keypoints"] = match
+    assert check("4.1", "match_keypoints", namespace=own).is_right
+
+
+def test_arrays_of_keypoints_and_matches_are_lists_too() -> None:
+    own = names(source())
+    find, match = own["find_keypoints"], own["match_keypoints"]
+    own["find_keypoints"] = lambda image: tuple(
+        found if number else np.array(found, dtype=object)
+        for number, found in enumerate(find(image))
+    )
+    own["match_keypoints"] = lambda *both: np.array(match(*both), dtype=object)
+    table = check("4.1", "find_keypoints", "match_keypoints", namespace=own)
     assert table.is_right, repr(table)
 
 
