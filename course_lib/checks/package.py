@@ -25,8 +25,6 @@ _MOST_BYTES = 1_000_000
 _MOST_VALUE = 500  # characters
 _ENCODING = re.compile(rb"""<\?xml[^>]*encoding=["']([\w.-]+)["']""")
 _DECLARATION = re.compile(r"^\s*<\?xml[^>]*\?>")
-# Where roslaunch, too, finds a node. The exercise says src.
-_FOLDERS = ("src", "scripts", "nodes")
 
 
 def _read(name: str) -> str:
@@ -78,8 +76,8 @@ def _is_imported(name: str) -> bool:
     """Tell whether a node imports a package; before there is a node, the exercise's do."""
     texts = [
         path.read_text(encoding="utf-8", errors="replace")
-        for path in FOLDER.rglob("*.py")
-        if path.is_file() and path.stat().st_size <= _MOST_BYTES
+        for path in _everywhere("*.py")
+        if path.stat().st_size <= _MOST_BYTES
     ]
     pattern = re.compile(rf"^[ \t]*+(?:from|import)[ \t]++{name}\b", re.MULTILINE)
     return not texts or any(pattern.search(text) for text in texts)
@@ -94,8 +92,8 @@ def _cmake(_: Work) -> None:
 
 
 def _node(name: str, words: tuple[str, ...], _: Work) -> None:
-    folder = next((each for each in _FOLDERS if (FOLDER / each / name).is_file()), _FOLDERS[0])
-    text = _read(f"{folder}/{name}")
+    file = _place(name)
+    text = _read(file)
     try:
         tree = ast.parse(text)
     except (SyntaxError, ValueError) as error:
@@ -114,8 +112,18 @@ def _node(name: str, words: tuple[str, ...], _: Work) -> None:
             raise WrongError(f"{name} should use the topic {word}, and does not name it.")
     if not text.startswith("#!"):
         raise WrongError(f"{name} should begin with #!/usr/bin/env python3, or it cannot be run.")
-    if not os.access(FOLDER / folder / name, os.X_OK):
-        raise WrongError(f"{name} may not be executed: chmod +x unit4/{folder}/{name}")
+    if not os.access(FOLDER / file, os.X_OK):
+        raise WrongError(f"{name} may not be executed: chmod +x unit4/{file}")
+
+
+def _place(name: str) -> str:
+    """Return where a node lies: in src, says the exercise; roslaunch finds it anywhere."""
+    places = [f"src/{name}", *(p.relative_to(FOLDER).as_posix() for p in _everywhere(name))]
+    return next((place for place in places if (FOLDER / place).is_file()), places[0])
+
+
+def _everywhere(pattern: str) -> list[Path]:
+    return sorted(path for path in FOLDER.rglob(pattern) if path.is_file())
 
 
 def _in_launch_file(node: str, word: str, source: str) -> bool:

@@ -162,6 +162,8 @@ class Package:
     def path(self, stem: str) -> str | None:
         """Return where a node's file is in the package."""
         places = [f"{folder}{stem}.py" for folder in _FOLDERS]
+        # roslaunch looks everywhere in the package.
+        places += sorted(name for name in self._files if name.endswith(f"/{stem}.py"))
         return next((place for place in places if place in self._files), None)
 
     def why_silent(self, stem: str) -> list[str]:

@@ -211,12 +211,15 @@ def test_topic_may_be_made_of_an_argument_or_begin_without_slash(unit4: Path) ->
     assert check("4.2", "unit4/src/exercise4_2_1.py", namespace={}).is_right
 
 
-def test_nodes_may_lie_in_scripts(unit4: Path) -> None:
-    (unit4 / "src").rename(unit4 / "scripts")
+@pytest.mark.parametrize("folder", ["scripts", "src/nodes"])
+def test_nodes_may_lie_where_roslaunch_finds_them(unit4: Path, folder: str) -> None:
+    (unit4 / folder).mkdir()
+    for node in unit4.glob("src/*.py"):
+        node.rename(unit4 / folder / node.name)
     assert check("4.2", "unit4/src/exercise4_2_1.py", namespace={}).is_right
-    (unit4 / "scripts/exercise4_2_1.py").chmod(0o644)
+    (unit4 / folder / "exercise4_2_1.py").chmod(0o644)
     found = check("4.2", "unit4/src/exercise4_2_1.py", namespace={}).rows[0]
-    assert found.help.endswith("chmod +x unit4/scripts/exercise4_2_1.py")
+    assert found.help.endswith(f"chmod +x unit4/{folder}/exercise4_2_1.py")
 
 
 def test_a_class_that_others_are_made_of_is_not_unwritten(unit4: Path) -> None:
