@@ -222,6 +222,17 @@ def test_nodes_may_lie_where_roslaunch_finds_them(unit4: Path, folder: str) -> N
     assert found.help.endswith(f"chmod +x unit4/{folder}/exercise4_2_1.py")
 
 
+def test_a_node_may_be_made_of_other_files(unit4: Path) -> None:
+    node = unit4 / "src/exercise4_2_1.py"
+    (unit4 / "src/shot.py").write_text("import cv2, rospy  # and more\n")
+    node.write_text("#!/usr/bin/env python3\nimport shot\n")
+    assert "image_raw" in check("4.2", "unit4/src/exercise4_2_1.py", namespace={}).rows[0].help
+    (unit4 / "all.yaml").write_text("topic: /camera/rgb/image_raw\n")
+    assert check("4.2", "unit4/src/exercise4_2_1.py", namespace={}).is_right
+    (unit4 / "src/shot.py").write_text("import cv2  # no rospy\n")
+    assert "rospy" in check("4.2", "unit4/src/exercise4_2_1.py", namespace={}).rows[0].help
+
+
 def test_a_class_that_others_are_made_of_is_not_unwritten(unit4: Path) -> None:
     node = unit4 / "src/exercise4_2_1.py"
     base = "\nclass Task:\n    def do(self):\n        raise NotImplementedError\n"
