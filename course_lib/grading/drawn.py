@@ -34,8 +34,8 @@ _PROPORTIONS = 0.04
 # A pixel counts as drawn on when it differs by this many grey levels, after fitting brightness.
 _DRAWN = 40.0
 # Lines from one axes to another: of the figure's width between them, so that it is not their rims
-# alone, and lines that are seen apart everywhere.
-_LEAST_GAP, _LEAST_LINES = 0.015, 4
+# alone, and lines that are seen apart everywhere; what is inked for the most part is a picture.
+_LEAST_GAP, _LEAST_LINES, _STILL_PAPER = 0.015, 4, 0.6
 
 
 @dataclass(frozen=True)
@@ -208,7 +208,7 @@ def _cross(picture: Image, boxes: list[Box]) -> bool:
     if gap.shape[0] == 0 or gap.shape[1] < _LEAST_GAP * picture.shape[1]:
         return False
     inked = np.abs(gap - np.median(gap, axis=(0, 1))).max(axis=2) > _DRAWN
-    return int(inked.sum(axis=0).min()) >= _LEAST_LINES
+    return inked.mean() < _STILL_PAPER and int(inked.sum(axis=0).min()) >= _LEAST_LINES
 
 
 def _share_outside(part: Image, wanted: Image, levels: float) -> float:

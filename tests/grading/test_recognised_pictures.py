@@ -185,3 +185,18 @@ def test_lines_between_two_axes_are_told_from_their_numbers(style, shape, n_line
     places = photo_boxes(shown)
     one, other = (sightings(shown, each, places=places)[0].box for each in (mug, scene))
     assert lines_cross(shown, one, other) == (n_lines > 0)
+
+
+@pytest.mark.parametrize("shape", [(1, 3), (3, 1)])
+def test_a_picture_between_two_is_no_lines(shape):
+    mug, scene = images.load("ROS.png"), images.load("ROS2.png")
+    figure, places = plt.subplots(*shape, figsize=(6 * shape[1], 5 * shape[0]))
+    between = images.load("peppers.png")
+    for axes, picture in zip(places, (mug, between, scene), strict=True):
+        axes.imshow(picture[..., ::-1])
+    memory = io.BytesIO()
+    figure.savefig(memory, dpi=72)
+    plt.close(figure)
+    shown = cv2.imdecode(np.frombuffer(memory.getvalue(), np.uint8), cv2.IMREAD_COLOR)
+    one, other = (sightings(shown, each, places=photo_boxes(shown))[0].box for each in (mug, scene))
+    assert not lines_cross(shown, one, other)
