@@ -100,7 +100,8 @@ def check_notebook(path: Path, exercise: str | None = None) -> Table:
     question = _QUESTION.format(exercise=exercise).strip()
     notebook.cells.append(new_code_cell(question))  # type: ignore[no-untyped-call]
     try:
-        ran = run_notebook(path, notebook=notebook, cell_timeout=_SECONDS)
+        # Without the widgets' state, nbclient knows no Output widget, which @interact makes.
+        ran = run_notebook(path, notebook=notebook, cell_timeout=_SECONDS, keep_widget_state=True)
     except NotebookFailed as error:
         raise CannotCheckError(str(error)) from error
     for output in ran.cells[-1].outputs:

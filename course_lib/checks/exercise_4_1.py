@@ -32,6 +32,9 @@ _MADE_TOLERANCE = 15.0
 # Mean difference in grey levels between a picture and itself, resized in another way.
 _SAME_PICTURE = 12.0
 _QUERIES = 300
+# Of these queries' matches with the shelf, the share with a partner of their own: a ratio test from
+# 0.7 to 0.9 leaves 0.84 and more of ORB, AKAZE, BRISK and SIFT, no test at all 0.64 to 0.77.
+_LEAST_ONCE = 0.8
 
 
 @cache
@@ -141,9 +144,16 @@ def features(work: Work, image: Image) -> tuple[Any, Any]:
     return found[0], found[1]
 
 
+def _as_list(found: Any) -> Any:  # noqa: ANN401
+    """Return an array of objects, which can be indexed by arrays, as the list that it is too."""
+    of_objects = isinstance(found, np.ndarray) and found.dtype == object and found.ndim == 1
+    return list(found) if of_objects else found
+
+
 def _find_keypoints(work: Work) -> None:
     mug, _ = mug_and_shelf()
     keypoints, descriptors = features(work, mug)
+    keypoints = _as_list(keypoints)
     if isinstance(keypoints, np.ndarray) or keypoints is None:
         raise WrongError(
             "The first thing that find_keypoints returns should be the keypoints. Are keypoints "
@@ -176,7 +186,7 @@ def _match_keypoints(work: Work) -> None:
     query, train = (_descriptors(work, image) for image in mug_and_shelf())
     # Fewer queries than trains, so that indices which count the wrong list stand out.
     query = query[:: max(1, len(query) // _QUERIES)]
-    matches = work.call("match_keypoints", query, train)
+    matches = _as_list(work.call("match_keypoints", query, train))
     if not isinstance(matches, list | tuple) or not matches:
         raise WrongError("match_keypoints should return a list of matches, and there are some.")
     if isinstance(matches[0], list | tuple):
@@ -190,9 +200,10 @@ def _match_keypoints(work: Work) -> None:
             f"The matches are {way}. Return sorted(matches, key=lambda m: m.distance): step 4 "
             "takes the best from the front."
         )
-    if len({match.trainIdx for match in matches}) < 0.9 * len(matches):
+    if len({match.trainIdx for match in matches}) < _LEAST_ONCE * len(matches):
         raise WrongError(
-            "Many keypoints of the mug share one of the scene. Ask both ways: crossCheck=True."
+            "Many keypoints of the mug share one of the scene. Ask both ways: crossCheck=True, or "
+            "a ratio test."
         )
     order = np.random.default_rng(0).permutation(len(train))[:_QUERIES]
     itself = work.call("match_keypoints", train[order], train)

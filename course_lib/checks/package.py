@@ -10,6 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from course_lib.checks.unwritten import unwritten
 from course_lib.checks.work import Check, NotYetError, WrongError
 
 if TYPE_CHECKING:
@@ -21,6 +22,10 @@ _STUB = "Your part:"
 _NEEDED = ("rospy", "sensor_msgs", "geometry_msgs", "cv_bridge")
 _IMAGE_TOPIC = "/camera/rgb/image_raw"
 _MOST_BYTES = 1_000_000
+_ALSO = frozenset({".py", ".yaml", ".yml", ".launch", ".xml"})
+_MOST_VALUE = 500  # characters
+_ENCODING = re.compile(rb"""<\?xml[^>]*encoding=["']([\w.-]+)["']""")
+_DECLARATION = re.compile(r"^\s*<\?xml[^>]*\?>")
 
 
 def _read(name: str) -> str:
@@ -30,8 +35,11 @@ def _read(name: str) -> str:
     if path.stat().st_size > _MOST_BYTES:
         raise WrongError(f"{path} is far too large for what it is.")
     try:
-        text = path.read_text(encoding="utf-8")
-    except (UnicodeDecodeError, OSError) as error:
+        data = path.read_bytes()
+        # Only XML can say that it is written in something else.
+        declared = _ENCODING.match(data) if path.suffix in {".xml", ".launch"} else None
+        text = data.decode(declared[1].decode() if declared else "utf-8-sig")
+    except (UnicodeDecodeError, LookupError, OSError) as error:
         raise WrongError(f"{path} cannot be read as text: {error}") from None
     for line in text.splitlines():
         if _STUB in line:
@@ -44,7 +52,8 @@ def _xml(name: str, root: str) -> ET.Element:
     if "<!ENTITY" in text:
         raise WrongError(f"unit4/{name} declares entities, which ROS does not need.")
     try:
-        tree = ET.fromstring(text)  # noqa: S314 (the student's own file, without entities)
+        # The student's own file, without entities; its encoding has been seen to.
+        tree = ET.fromstring(_DECLARATION.sub("", text, count=1))  # noqa: S314
     except ET.ParseError as error:
         raise WrongError(f"unit4/{name} is not well-formed XML: {error}.") from None
     if tree.tag != root:
@@ -57,11 +66,22 @@ def _package_xml(_: Work) -> None:
     if not (tree.findtext("name") or "").strip():
         raise WrongError("package.xml does not say <name>unit4</name>.")
     depends = {(each.text or "").strip() for each in tree if "depend" in each.tag}
-    if missing := [name for name in _NEEDED if name not in depends]:
+    if missing := [name for name in _NEEDED if name not in depends and _is_imported(name)]:
         raise WrongError(
             f"The nodes import {', '.join(missing)}, so package.xml should depend on it: "
             f"<exec_depend>{missing[0]}</exec_depend>."
         )
+
+
+def _is_imported(name: str) -> bool:
+    """Tell whether a node imports a package; before there is a node, the exercise's do."""
+    texts = [
+        path.read_text(encoding="utf-8", errors="replace")
+        for path in _everywhere("*.py")
+        if path.stat().st_size <= _MOST_BYTES
+    ]
+    pattern = re.compile(rf"^[ \t]*+(?:from|import)[ \t]++{name}\b", re.MULTILINE)
+    return not texts or any(pattern.search(text) for text in texts)
 
 
 def _cmake(_: Work) -> None:
@@ -73,35 +93,56 @@ def _cmake(_: Work) -> None:
 
 
 def _node(name: str, words: tuple[str, ...], _: Work) -> None:
-    text = _read(f"src/{name}")
+    file = _place(name)
+    text = _read(file)
     try:
         tree = ast.parse(text)
     except (SyntaxError, ValueError) as error:
         line = getattr(error, "lineno", None)
         raise WrongError(f"{name} is not Python: {error} (line {line}).") from None
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Raise) and "NotImplementedError" in ast.dump(node):
-            call = node.exc
-            hint = ""
-            if isinstance(call, ast.Call) and call.args and isinstance(call.args[0], ast.Constant):
-                hint = str(call.args[0].value)
-            raise NotYetError(f"Line {node.lineno} of {name} is yours to write: {hint or '…'}.")
-    if "import rospy" not in text and "from rospy" not in text:
+    if node := unwritten(tree):
+        call = node.exc
+        hint = ""
+        if isinstance(call, ast.Call) and call.args and isinstance(call.args[0], ast.Constant):
+            hint = str(call.args[0].value)
+        raise NotYetError(f"Line {node.lineno} of {name} is yours to write: {hint or '…'}.")
+    text += "\n".join(_beside())
+    if not re.search(r"^[ \t]*+(?:from|import)[ \t][^#\n]*\brospy\b", text, re.MULTILINE):
         raise WrongError(f"{name} does not import rospy.")
     for word in words:
-        if word not in text and not _in_launch_file(name, word, text):
+        if word.strip("/") not in text and not _in_launch_file(name, word, text):
             raise WrongError(f"{name} should use the topic {word}, and does not name it.")
     if not text.startswith("#!"):
         raise WrongError(f"{name} should begin with #!/usr/bin/env python3, or it cannot be run.")
-    if not os.access(FOLDER / "src" / name, os.X_OK):
-        raise WrongError(f"{name} may not be executed: chmod +x unit4/src/{name}")
+    if not os.access(FOLDER / file, os.X_OK):
+        raise WrongError(f"{name} may not be executed: chmod +x unit4/{file}")
+
+
+def _place(name: str) -> str:
+    """Return where a node lies: in src, says the exercise; roslaunch finds it anywhere."""
+    places = [f"src/{name}", *(p.relative_to(FOLDER).as_posix() for p in _everywhere(name))]
+    return next((place for place in places if (FOLDER / place).is_file()), places[0])
+
+
+def _everywhere(pattern: str) -> list[Path]:
+    return sorted(path for path in FOLDER.rglob(pattern) if path.is_file())
+
+
+def _beside() -> list[str]:
+    """Return what else a node may be made of: modules, settings, files that others include."""
+    paths = [path for path in _everywhere("*") if path.suffix in _ALSO]
+    return [
+        path.read_text(encoding="utf-8", errors="replace")
+        for path in paths
+        if not path.name.startswith("exercise4_2_") and path.stat().st_size <= _MOST_BYTES
+    ]
 
 
 def _in_launch_file(node: str, word: str, source: str) -> bool:
     launch = FOLDER / "launch" / node.replace(".py", ".launch")
     if not launch.is_file():
         return False
-    text = launch.read_text(encoding="utf-8", errors="replace")
+    text = _without_arguments(launch.read_text(encoding="utf-8", errors="replace"))
     parts = word.strip("/").split("/")
     # A namespace can stand for the beginning: <group ns="waterhole">, and in the node "image".
     spaced = any(
@@ -111,6 +152,16 @@ def _in_launch_file(node: str, word: str, source: str) -> bool:
     named = re.search(rf"""name=["']{parts[0]}["']""", text)
     private = named is not None and f"~{'/'.join(parts[1:])}" in source
     return word in text or spaced or private
+
+
+def _without_arguments(text: str) -> str:
+    """Put the values of arguments in the place of `$(arg …)`, as roslaunch does."""
+    for element in re.findall(r"<arg\b[^>]*>", text):
+        pairs = dict(re.findall(r"""(\w+)\s*=\s*["']([^"']*)["']""", element))
+        value = pairs.get("value", pairs.get("default"))
+        if "name" in pairs and value is not None:
+            text = text.replace(f"$(arg {pairs['name']})", value[:_MOST_VALUE])
+    return text
 
 
 def _launch(name: str, node: str, _: Work) -> None:

@@ -33,6 +33,9 @@ _WHITE = 250
 _PROPORTIONS = 0.04
 # A pixel counts as drawn on when it differs by this many grey levels, after fitting brightness.
 _DRAWN = 40.0
+# Lines from one axes to another: of the figure's width between them, so that it is not their rims
+# alone, and lines that are seen apart everywhere; what is inked for the most part is a picture.
+_LEAST_GAP, _LEAST_LINES, _STILL_PAPER = 0.015, 4, 0.6
 
 
 @dataclass(frozen=True)
@@ -175,6 +178,37 @@ def drawn_share(picture: Image, box: Box, wanted: Image) -> float:
     if part.size == 0:
         return 0.0
     return _share_outside(part, wanted, _DRAWN)
+
+
+def lines_cross(picture: Image, one: Box, other: Box) -> bool:
+    """Tell whether lines lead from one box to another across the paper between them.
+
+    So matplotlib draws matches between two axes. Two axes with nothing but their numbers between
+    them leave some of the paper blank from top to bottom.
+
+    Parameters
+    ----------
+    picture : ndarray of uint8, shape (height, width, 3)
+        A figure.
+    one, other : (left, top, right, bottom)
+        Side by side, or one above the other.
+
+    Returns
+    -------
+    bool
+    """
+    turned = [(top, left, bottom, right) for left, top, right, bottom in (one, other)]
+    return _cross(picture, [one, other]) or _cross(picture.transpose(1, 0, 2), turned)
+
+
+def _cross(picture: Image, boxes: list[Box]) -> bool:
+    left, right = sorted(boxes)
+    rows = slice(max(left[1], right[1]), min(left[3], right[3]))
+    gap = picture[rows, left[2] : right[0]].astype(np.int16)
+    if gap.shape[0] == 0 or gap.shape[1] < _LEAST_GAP * picture.shape[1]:
+        return False
+    inked = np.abs(gap - np.median(gap, axis=(0, 1))).max(axis=2) > _DRAWN
+    return inked.mean() < _STILL_PAPER and int(inked.sum(axis=0).min()) >= _LEAST_LINES
 
 
 def _share_outside(part: Image, wanted: Image, levels: float) -> float:

@@ -60,7 +60,8 @@ def run(
     topic : str
         Where they are published, raw.
     params : dict
-        The node's private parameters. Where a text holds `$(find unit4)` or `$(env HOME)`, the
+        The node's private parameters, and those that are not its own, by their whole names, which
+        begin with a slash. Where a text holds `$(find unit4)` or `$(env HOME)`, the
         package's folder or the working folder is meant.
     remap : dict of str to str
         Names to use in place of others.
@@ -80,6 +81,7 @@ def run(
     """
     started = time.time() - 1  # a file system's clock is coarse
     error = None
+    placed = _with_folders(params)
     with TemporaryDirectory(prefix="frames_") as folder:
         bag = Path(folder) / "camera.bag"
         _write_bag(bag, stamps, frames, topic)
@@ -90,7 +92,7 @@ def run(
                     Path(path),
                     Path(folder),
                     bag,
-                    _with_folders(params),
+                    placed,
                     remap,
                     [_placed(text) for text in given],
                     timeout,
@@ -100,7 +102,7 @@ def run(
                 recording = run_node(
                     path,
                     bag=bag,
-                    params=_with_folders(params),
+                    params=placed,
                     remap=remap,
                     arguments=[_placed(text) for text in given],
                     timeout=timeout,

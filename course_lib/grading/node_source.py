@@ -6,6 +6,7 @@ import ast
 import re
 from typing import TYPE_CHECKING
 
+from course_lib.checks.unwritten import unwritten
 from course_lib.grading.error_hints import hint
 
 if TYPE_CHECKING:
@@ -14,13 +15,20 @@ if TYPE_CHECKING:
 _OWN_COMPUTER = re.compile(r"(/home/|/Users/|/mnt/|/media/|[A-Za-z]:[\\/])")
 _WAITS = {"spin", "is_shutdown", "wait_for_message", "sleep"}
 _HEARS = {"Subscriber", "wait_for_message"}
-_STUB = "NotImplementedError"
 _UNTIDY = 500  # characters of a string in a message: a path is shorter
 # What a node's last error means, where that differs from a notebook's; the first that fits.
 _HINTS = (
     (
         r"^NameError",
         "Was a function of the notebook, or an import, not carried into the node's file?",
+    ),
+    (
+        r"^ModuleNotFoundError: No module named 'unit4",
+        (
+            "That is your package: catkin makes its modules known if CMakeLists.txt calls "
+            "catkin_python_setup() and there is a setup.py. A file beside the node is found "
+            "without, by its own name."
+        ),
     ),
     (
         r"^TypeError: .*positional argument",
@@ -87,10 +95,7 @@ def parse(text: str) -> ast.Module:
 
 def is_stub(tree: ast.Module) -> bool:
     """
-    Tell whether a part of a node is still to be written: NotImplementedError is raised there.
-
-    Who raises it under a condition, such as for an encoding, or in a class that others of the file
-    are made of, means something else by it.
+    Tell whether a part of a node is still to be written (see `unwritten`).
 
     Parameters
     ----------
@@ -101,19 +106,7 @@ def is_stub(tree: ast.Module) -> bool:
     -------
     bool
     """
-    classes = [node for node in ast.walk(tree) if isinstance(node, ast.ClassDef)]
-    bases = {_name(base) for each in classes for base in each.bases}
-    waiting: list[ast.AST] = [tree]
-    while waiting:
-        node = waiting.pop()
-        if isinstance(node, ast.Raise) and node.exc is not None:
-            if any(isinstance(n, ast.Name) and n.id == _STUB for n in ast.walk(node.exc)):
-                return True
-        elif isinstance(node, ast.ClassDef) and node.name in bases:
-            continue
-        elif not isinstance(node, ast.If | ast.match_case | ast.ExceptHandler):
-            waiting += ast.iter_child_nodes(node)
-    return False
+    return unwritten(tree) is not None
 
 
 def cannot_start(text: str, tree: ast.Module) -> str | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shlex
 from contextlib import contextmanager
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from xml.sax.saxutils import quoteattr
 
 from course_lib.offline_ros import NodeError
+from course_lib.offline_ros.own_modules import own_modules
 from course_lib.real_ros import RosError, run_launch
 from course_lib.real_ros.runner import rosparam
 
@@ -51,8 +53,9 @@ def run_on_ros(
     bag : Path
         What is played.
     params, remap : mapping
-        Its private parameters and other names, as the student's launch file has them; if neither
-        is given, a launch file that sets something is left aside.
+        Its private parameters, those with a slash in front that are not its own, and other names,
+        as the student's launch file has them; if neither is given, a launch file that sets
+        something is left aside.
     given : sequence of str
         What else that file puts on its command line.
     timeout : float
@@ -135,7 +138,8 @@ def _launch_text(
     if "__ns" in remap:
         attributes["ns"] = remap["__ns"]
     # Offline a node may import the course, which costs some points; here, too.
-    lines = [f'<env name="PYTHONPATH" value={quoteattr(str(_COURSE))}/>']
+    paths = os.pathsep.join(str(path) for path in (own_modules(node), _COURSE) if path)
+    lines = [f'<env name="PYTHONPATH" value={quoteattr(paths)}/>']
     lines += [
         f"<remap from={quoteattr(source)} to={quoteattr(target)}/>"
         for source, target in remap.items()

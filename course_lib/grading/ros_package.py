@@ -29,6 +29,8 @@ _NODE_SECONDS = 40.0
 _CMAKE = ("project(", "find_package(catkin", "catkin_package(")
 _INSTALLED = re.compile(r"\b(?:src|scripts|nodes)/[\w./-]+\.py\b")
 _ERROR_LINE = re.compile(r"^\w[\w.]*(?:Error|Exception|Interrupt|error|: error)\b.*", re.MULTILINE)
+# What ROS raises in whatever waits when it shuts a node down: on a robot nobody minds.
+_AT_THE_END = re.compile(r"ROSInterruptException: (?:ROS shutdown request|rospy shutdown)")
 
 
 class FaultError(Exception):
@@ -164,6 +166,8 @@ class Package:
     def path(self, stem: str) -> str | None:
         """Return where a node's file is in the package."""
         places = [f"{folder}{stem}.py" for folder in _FOLDERS]
+        # roslaunch looks everywhere in the package.
+        places += sorted(name for name in self._files if name.endswith(f"/{stem}.py"))
         return next((place for place in places if place in self._files), None)
 
     def why_silent(self, stem: str) -> list[str]:
@@ -287,7 +291,7 @@ class Package:
 def what_went_wrong(run: NodeRun) -> str | None:
     """Return the last error that a node raised or logged, in a line; None for none."""
     for text in (run.error or "", run.log):
-        lines = _ERROR_LINE.findall(text)
+        lines = [line for line in _ERROR_LINE.findall(text) if not _AT_THE_END.search(line)]
         if lines:
             last = str(lines[-1])[:300]
             meaning = node_source.meaning(str(lines[-1]))

@@ -165,7 +165,8 @@ class Student:
         topic : str, optional
             Where they are published.
         params : mapping, optional
-            Private parameters; `$(find unit4)` in a text stands for the package's folder, and
+            Private parameters, and with a slash in front those that are not the node's own;
+            `$(find unit4)` in a text stands for the package's folder, and
             `$(env HOME)` for the working folder.
         remap : mapping of str to str, optional
             Names to use in place of others, as on a node's command line.

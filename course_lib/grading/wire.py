@@ -137,6 +137,10 @@ class _Encoder:
         return len(self.buffers) - 1
 
     def _array(self, array: np.ndarray[Any, Any]) -> Tree:
+        if array.dtype == object and array.ndim == 1 and 0 < array.size <= MOST_NODES:
+            kinds = {type(item) for item in array}
+            if len(kinds) == 1 and kinds <= {cv2.KeyPoint, cv2.DMatch}:
+                return {**self._records(array.tolist()), "tuple": False}  # a list to be indexed
         if array.dtype.name not in _DTYPES or array.ndim > _MOST_DIMENSIONS:
             return {"t": "unknown", "v": f"array of {array.dtype.name}"[:200]}
         if array.nbytes > MOST_BYTES:  # before tobytes makes a copy of it

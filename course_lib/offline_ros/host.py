@@ -21,6 +21,7 @@ from course_lib.offline_ros.install import install
 from course_lib.offline_ros.messages import message_class
 from course_lib.offline_ros.modules import set_runtime
 from course_lib.offline_ros.names import Names, split_arguments
+from course_lib.offline_ros.own_modules import own_modules
 from course_lib.offline_ros.recorder import OUTCOME, Recorder
 from course_lib.offline_ros.runtime import Runtime
 from course_lib.offline_ros.windows import Windows
@@ -139,6 +140,8 @@ class Host:
             sys.path.insert(0, str(self._node.parent))
         else:
             sys.path[0] = str(self._node.parent)
+        if folder := own_modules(self._node):
+            sys.path.insert(1, str(folder))
         outcome, text = self._run_file()
         if self._interrupted:
             outcome, text = INTERRUPTED, ""

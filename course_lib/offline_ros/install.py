@@ -9,14 +9,15 @@ from importlib.machinery import ModuleSpec
 from types import ModuleType
 from typing import TYPE_CHECKING, NoReturn
 
-from course_lib.offline_ros import exceptions
 from course_lib.offline_ros.errors import UnsupportedError
 from course_lib.offline_ros.messages import STORE, message_class
+from course_lib.offline_ros.modules import roslib, rospy
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
 PROVIDED = ("cv_bridge", "genpy", "message_filters", "roslib", "rospkg", "rospy")
+_INNER = ("roslib", "rospy")  # packages with modules in them
 _UNSUPPORTED = {
     "actionlib": "actions need a running ROS",
     "dynamic_reconfigure": "use rospy.get_param",
@@ -50,9 +51,10 @@ class _MessageModule(ModuleType):
 class _Refuse(Loader):
     def create_module(self, spec: ModuleSpec) -> NoReturn:
         """Refuse: this part of ROS needs a running ROS."""
-        advice = _UNSUPPORTED.get(
-            spec.name.partition(".")[0], "of this package there are only the messages, in its .msg"
-        )
+        package, _, rest = spec.name.partition(".")
+        advice = _UNSUPPORTED.get(package, "of this package there are only the messages, in .msg")
+        if package in _INNER:
+            advice = rospy.advice(rest) if package == "rospy" else "use rospkg"
         # An ImportError, so that a node with `except ImportError` can do without.
         raise ImportError(str(UnsupportedError(f"import {spec.name}", advice)))
 
@@ -67,7 +69,7 @@ class _Finder(MetaPathFinder):
         """Refuse what is known to be missing, with a reason."""
         _ = path, target
         package, _, rest = fullname.partition(".")
-        if package in _UNSUPPORTED or (rest and package in packages()):
+        if package in _UNSUPPORTED or (rest and package in {*packages(), *_INNER}):
             return ModuleSpec(fullname, _Refuse())
         return None
 
@@ -81,7 +83,11 @@ def install() -> None:
     """Put all stand-ins into `sys.modules`. For the process that runs a node, and no other."""
     for name in PROVIDED:
         sys.modules[name] = import_module(f"course_lib.offline_ros.modules.{name}")
-    sys.modules["rospy.exceptions"] = exceptions
+    inner = {"rospy": rospy.SUBMODULES, "roslib": {"packages": roslib.packages}}
+    for package, modules in inner.items():
+        # Makes it a package: what else it has on ROS is refused by name.
+        sys.modules[package].__path__ = []
+        sys.modules |= {f"{package}.{name}": module for name, module in modules.items()}
     for package in packages():
         parent, messages = ModuleType(package), _MessageModule(f"{package}.msg")
         parent.__path__ = []  # makes it a package: `import sensor_msgs.msg` looks inside

@@ -109,7 +109,7 @@ def leaves(name: str, value: Any) -> dict[str, Any]:  # noqa: ANN401
         return {name: value}
     found: dict[str, Any] = {}
     for key, inner in value.items():
-        found |= leaves(f"{name}/{key}", inner)
+        found |= leaves(f"{name}/{str(key).strip('/')}", inner)
     return found
 
 

@@ -16,6 +16,7 @@ from xml.sax.saxutils import escape, quoteattr
 from course_lib.offline_ros.bag import BagSource
 from course_lib.offline_ros.errors import BagError, NodeError
 from course_lib.offline_ros.names import as_yaml
+from course_lib.offline_ros.own_modules import own_modules
 from course_lib.offline_ros.recording import Recording
 from course_lib.offline_ros.wire import serialize
 from course_lib.real_ros.core import Ros
@@ -97,6 +98,8 @@ def run_launch(
     options += [f"--keep={topic}" for topic in keep or ()]
     options += ["--keep-going"] * keep_going
     with Ros(folder.parent, home=home, sim_time=True) as ros:
+        if modules := own_modules(folder):  # nothing is built here
+            ros.environment["PYTHONPATH"] = str(modules)
         target = _with_params(ros, file, params or {}, Path(scratch.name))
         given = [f"{name}:={value}" for name, value in (arguments or {}).items()]
         player = ros.start(str(PYTHON), str(_PLAYER), *options, feed=True)

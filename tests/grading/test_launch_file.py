@@ -62,6 +62,46 @@ def test_remaps_params_and_namespaces_hold_within_their_group():
     }
 
 
+def test_names_and_namespaces_may_be_made_of_arguments():
+    text = (
+        '<arg name="ns" default="waterhole"/><group ns="$(arg ns)">'
+        '<param name="$(arg ns)_n/x" value="1"/>'
+        '<node pkg="unit4" type="a.py" name="$(arg ns)_n" ns="$(arg ns)_2"/></group>'
+    )
+    node = only(text)
+    assert node.remaps == {"__ns": "waterhole/waterhole_2", "__name": "waterhole_n"}
+    assert node.params == {"/waterhole/waterhole_n/x": 1}
+
+
+def test_parameters_outside_of_nodes_are_there_for_all():
+    text = (
+        '<param name="n" value="58"/><group ns="well">'
+        '<param name="file" value="$(find unit4)/w.png"/>'
+        + NODE.format('<param name="own" value="1"/>')
+        + '</group><rosparam>{a: {b: 2}, "/abs": [3]}</rosparam>'
+    )
+    node = only(text)
+    assert node.params == {
+        "own": 1,
+        "/n": 58,
+        "/well/file": "$(find unit4)/w.png",
+        "/a/b": 2,
+        "/abs": [3],
+    }
+
+
+def test_rosparam_sets_one_parameter_or_a_namespace():
+    files = {"config/a.yaml": b"file: $(arg file)\nn: 3\n"}
+    inside = (
+        '<rosparam param="count">58</rosparam><rosparam ns="deep">{a: 1}</rosparam>'
+        '<rosparam file="$(find unit4)/config/a.yaml" subst_value="true"/>'
+    )
+    node = only('<arg name="file" default="w.png"/>' + NODE.format(inside), files=files)
+    assert node.params == {"count": 58, "deep/a": 1, "file": "w.png", "n": 3}
+    outside = '<rosparam ns="a" command="load">{n: 4}</rosparam>' + NODE.format("")
+    assert only(outside).params == {"n": 4}
+
+
 def test_folders_in_arguments_are_not_split_at_their_blanks():
     node = only(
         '<arg name="output" default="$(env HOME)/frame.png"/>'

@@ -60,6 +60,7 @@ def test_errors_are_explained_as_a_node_needs_it():
     assert "def callback(message)" in meaning(
         "TypeError: callback() missing 1 required positional argument: 'msg'"
     )
+    assert "setup.py" in meaning("ModuleNotFoundError: No module named 'unit4'")
     assert "a robot has no screen" in meaning("cv2.error: … The function is not implemented. Re…")
     # What means the same as in a notebook is told in the same words.
     assert "ratio test" in meaning("cv2.error: OpenCV(5.0.0) K == 1 && update == 0 && mask.empty()")

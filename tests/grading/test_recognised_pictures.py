@@ -8,11 +8,12 @@ import cv2
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from matplotlib.patches import ConnectionPatch
 
 from course_lib import images
 from course_lib.drawing import draw_keypoints
 from course_lib.grading.crops import judge_crop
-from course_lib.grading.drawn import sightings
+from course_lib.grading.drawn import lines_cross, sightings
 from course_lib.grading.plots import shows_plot
 from course_lib.grading.published_flight import frame, frames_shown, photo_boxes, silhouette
 
@@ -160,3 +161,42 @@ def test_keypoints_beside_a_frame_are_seen(beside):
     assert [seen.drawn > 0.05 for seen in alone] == [True]
     other = drawn([image(cv2.drawKeypoints(frame(9)[90:400, 0:300], keypoints, None))], 1)
     assert sightings(other, crop, places=photo_boxes(other)) == []
+
+
+@pytest.mark.parametrize("style", ["default", "dark_background", "ggplot"])
+@pytest.mark.parametrize("shape", [(1, 2), (2, 1)])
+@pytest.mark.parametrize("n_lines", [0, 20])
+def test_lines_between_two_axes_are_told_from_their_numbers(style, shape, n_lines):
+    mug, scene = images.load("ROS.png"), images.load("ROS2.png")
+    with plt.style.context(style):
+        figure, (left, right) = plt.subplots(*shape, figsize=(8, 6))
+        for axes, picture in ((left, mug), (right, scene)):
+            axes.imshow(picture[..., ::-1])
+        rng = np.random.default_rng(0)
+        for here, there in rng.uniform(0, 1, (n_lines, 2, 2)):
+            ends = (here * mug.shape[1::-1], there * scene.shape[1::-1])
+            figure.add_artist(
+                ConnectionPatch(*ends, "data", "data", axesA=left, axesB=right, color="lime")
+            )
+        memory = io.BytesIO()
+        figure.savefig(memory, dpi=72)
+        plt.close(figure)
+    shown = cv2.imdecode(np.frombuffer(memory.getvalue(), np.uint8), cv2.IMREAD_COLOR)
+    places = photo_boxes(shown)
+    one, other = (sightings(shown, each, places=places)[0].box for each in (mug, scene))
+    assert lines_cross(shown, one, other) == (n_lines > 0)
+
+
+@pytest.mark.parametrize("shape", [(1, 3), (3, 1)])
+def test_a_picture_between_two_is_no_lines(shape):
+    mug, scene = images.load("ROS.png"), images.load("ROS2.png")
+    figure, places = plt.subplots(*shape, figsize=(6 * shape[1], 5 * shape[0]))
+    between = images.load("peppers.png")
+    for axes, picture in zip(places, (mug, between, scene), strict=True):
+        axes.imshow(picture[..., ::-1])
+    memory = io.BytesIO()
+    figure.savefig(memory, dpi=72)
+    plt.close(figure)
+    shown = cv2.imdecode(np.frombuffer(memory.getvalue(), np.uint8), cv2.IMREAD_COLOR)
+    one, other = (sightings(shown, each, places=photo_boxes(shown))[0].box for each in (mug, scene))
+    assert not lines_cross(shown, one, other)

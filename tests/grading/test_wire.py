@@ -78,6 +78,15 @@ def test_keypoints_and_matches_cross_as_opencv_objects() -> None:
     assert [(m.queryIdx, m.trainIdx, m.distance) for [m] in crossed[1]] == [(1, 2, 12.5), (3, 4, 1)]
 
 
+def test_an_array_of_keypoints_or_matches_is_a_list_of_them() -> None:
+    made = [cv2.KeyPoint(1, 2, 3), cv2.KeyPoint(4, 5, 6)], [cv2.DMatch(1, 2, 0.5)]
+    crossed = there_and_back([np.array(each, dtype=object) for each in made])
+    assert [[type(item) for item in each] for each in crossed] == [
+        [cv2.KeyPoint, cv2.KeyPoint],
+        [cv2.DMatch],
+    ]
+
+
 @pytest.mark.parametrize("value", [math.inf, -math.inf, math.nan])
 def test_numbers_that_json_lacks_cross(value: float) -> None:
     assert repr(there_and_back(value)) == repr(value)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from course_lib import images
-from course_lib.grading.drawn import largest_set, sightings
+from course_lib.grading.drawn import largest_set, lines_cross, sightings
 from course_lib.grading.published_flight import photo_boxes
 from course_lib.grading.replies import StudentError
 from course_lib.grading.rubric import points
@@ -65,8 +65,15 @@ def _could_be(picture, mug, scene):
     mugs = [one for one in mugs if not any(_middle_inside(one.box, s.box) for s in scenes)]
     scenes = [seen for seen in scenes if seen.drawn > OUTLINED]
     parts = []
+    boxes = [seen.box for seen in (*mugs, *scenes)]
     for one in list(mugs):
-        beside = [s for s in scenes if _beside(one.box, s.box, mug.shape[1] / scene.shape[1])]
+        ratio = mug.shape[1] / scene.shape[1]
+        beside = [s for s in scenes if _beside(one.box, s.box, ratio)]
+        beside += [
+            s
+            for s in scenes
+            if lines_cross(picture, one.box, s.box) and _neighbours(one.box, s.box, boxes)
+        ]
         if beside:
             parts.append(np.array([False, True, False]))
             mugs.remove(one)
@@ -79,6 +86,12 @@ def _could_be(picture, mug, scene):
 def _middle_inside(inner, outer):
     x, y = (inner[0] + inner[2]) / 2, (inner[1] + inner[3]) / 2
     return outer[0] <= x <= outer[2] and outer[1] <= y <= outer[3]
+
+
+def _neighbours(one, other, boxes):
+    """Tell whether no further picture stands between two."""
+    hull = (*map(min, one[:2], other[:2]), *map(max, one[2:], other[2:]))
+    return not any(_middle_inside(box, hull) for box in boxes if box not in {one, other})
 
 
 def _beside(mug, scene, ratio):

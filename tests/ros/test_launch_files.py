@@ -30,6 +30,7 @@ OUTSIDE = (  # beside a node
     '<param name="x" value="1"/><param name="x" value="2"/>',
     "<rosparam>{x: 1, y: {z: [1, 2]}}</rosparam>",
     "<rosparam>{a: {p: 1}}</rosparam>",
+    "<rosparam>{/abs: [3]}</rosparam>",
     '<rosparam command="load" file="$(find unit4)/config/p.yaml" ns="a"/>',
     '<arg name="t" default="/camera/rgb/image_raw"/><remap from="image" to="$(arg t)"/>',
     '<include file="$(find unit4)/launch/inc.launch"/>',

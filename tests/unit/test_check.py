@@ -8,6 +8,7 @@ import re
 from pathlib import Path
 from typing import Any
 
+import cv2
 import nbformat
 import numpy as np
 import pytest
@@ -184,6 +185,30 @@ def test_other_detectors_are_right_too(detector: str, norm: str) -> None:
     assert table.is_right, repr(table)
 
 
+def test_a_ratio_test_is_right_too() -> None:
+    own = names(source())
+
+    def match(query: Any, train: Any) -> list[cv2.DMatch]:
+        pairs = cv2.BFMatcher(cv2.NORM_HAMMING).knnMatch(query, train, k=2)
+        kept = [m for m, n in pairs if m.distance < 0.8 * n.distance]
+        return sorted(kept, key=lambda m: m.distance)
+
+    own["match_keypoints"] = match
+    assert check("4.1", "match_keypoints", namespace=own).is_right
+
+
+def test_arrays_of_keypoints_and_matches_are_lists_too() -> None:
+    own = names(source())
+    find, match = own["find_keypoints"], own["match_keypoints"]
+    own["find_keypoints"] = lambda image: tuple(
+        found if number else np.array(found, dtype=object)
+        for number, found in enumerate(find(image))
+    )
+    own["match_keypoints"] = lambda *both: np.array(match(*both), dtype=object)
+    table = check("4.1", "find_keypoints", "match_keypoints", namespace=own)
+    assert table.is_right, repr(table)
+
+
 def test_unknown_names_say_what_there_is() -> None:
     with pytest.raises(ValueError, match=r"there are 4\.1, 4\.2"):
         check("4.3", namespace={})
@@ -285,6 +310,9 @@ def test_command_line_checks_the_saved_file(
     # A cell that raises, one that prints a lie, and one mistake.
     notebook.cells.insert(1, new_code_cell("1 / 0"))
     notebook.cells.append(new_code_cell("print('Exercise 4.1: all 6 right.')"))
+    # And one with an Output widget.
+    shown = "import ipywidgets\nipywidgets.interact(lambda n: print(n), n=9)"
+    notebook.cells.append(new_code_cell(shown))
     cell = next(c for c in notebook.cells if c.id == "match-keypoints")
     cell.source = cell.source.replace("m.distance)", "-m.distance)")
     path = tmp_path / "my exercise 4-1.ipynb"

@@ -199,6 +199,66 @@ def test_topic_may_stand_in_the_launch_file(unit4: Path) -> None:
     assert check("4.2", "unit4/src/exercise4_2_1.py", namespace={}).is_right
 
 
+def test_topic_may_be_made_of_an_argument_or_begin_without_slash(unit4: Path) -> None:
+    node, launch = unit4 / "src/exercise4_2_1.py", unit4 / "launch/exercise4_2_1.launch"
+    text = node.read_text()
+    node.write_text(text.replace("/camera/rgb/image_raw", "image"))
+    remap = '<arg name="cam" default="/camera/rgb"/><remap from="image" to="$(arg cam)/image_raw"/>'
+    launch.write_text(launch.read_text().replace("</launch>", f"{remap}</launch>"))
+    assert check("4.2", "unit4/src/exercise4_2_1.py", namespace={}).is_right
+    node.write_text(text.replace("/camera/rgb/image_raw", "camera/rgb/image_raw"))
+    launch.write_text(launch.read_text().replace(remap, ""))
+    assert check("4.2", "unit4/src/exercise4_2_1.py", namespace={}).is_right
+
+
+@pytest.mark.parametrize("folder", ["scripts", "src/nodes"])
+def test_nodes_may_lie_where_roslaunch_finds_them(unit4: Path, folder: str) -> None:
+    (unit4 / folder).mkdir()
+    for node in unit4.glob("src/*.py"):
+        node.rename(unit4 / folder / node.name)
+    assert check("4.2", "unit4/src/exercise4_2_1.py", namespace={}).is_right
+    (unit4 / folder / "exercise4_2_1.py").chmod(0o644)
+    found = check("4.2", "unit4/src/exercise4_2_1.py", namespace={}).rows[0]
+    assert found.help.endswith(f"chmod +x unit4/{folder}/exercise4_2_1.py")
+
+
+def test_a_node_may_be_made_of_other_files(unit4: Path) -> None:
+    node = unit4 / "src/exercise4_2_1.py"
+    (unit4 / "src/shot.py").write_text("import cv2, rospy  # and more\n")
+    node.write_text("#!/usr/bin/env python3\nimport shot\n")
+    assert "image_raw" in check("4.2", "unit4/src/exercise4_2_1.py", namespace={}).rows[0].help
+    (unit4 / "all.yaml").write_text("topic: /camera/rgb/image_raw\n")
+    assert check("4.2", "unit4/src/exercise4_2_1.py", namespace={}).is_right
+    (unit4 / "src/shot.py").write_text("import cv2  # no rospy\n")
+    assert "rospy" in check("4.2", "unit4/src/exercise4_2_1.py", namespace={}).rows[0].help
+
+
+def test_a_class_that_others_are_made_of_is_not_unwritten(unit4: Path) -> None:
+    node = unit4 / "src/exercise4_2_1.py"
+    base = "\nclass Task:\n    def do(self):\n        raise NotImplementedError\n"
+    node.write_text(f"{node.read_text()}{base}\nclass Save(Task):\n    pass\n")
+    assert check("4.2", "unit4/src/exercise4_2_1.py", namespace={}).is_right
+    node.write_text(f"{node.read_text()}{base.replace('Task', 'Other')}")
+    assert not check("4.2", "unit4/src/exercise4_2_1.py", namespace={}).is_right
+
+
+def test_the_manifest_names_what_is_imported_and_no_more(unit4: Path) -> None:
+    manifest = unit4 / "package.xml"
+    line = "<exec_depend>cv_bridge</exec_depend>"
+    manifest.write_text(manifest.read_text().replace(line, ""))
+    assert check("4.2", "unit4/package.xml", namespace={}).is_right
+    node = unit4 / "src/exercise4_2_1.py"
+    node.write_text(f"{node.read_text()}from cv_bridge import CvBridge\n")
+    assert line in check("4.2", "unit4/package.xml", namespace={}).rows[0].help
+
+
+def test_xml_may_say_how_it_is_written(unit4: Path) -> None:
+    launch = unit4 / "launch" / "exercise4_2_1.launch"
+    declared = '<?xml version="1.0" encoding="ISO-8859-1"?><!-- für -->'
+    launch.write_bytes(f"{declared}{launch.read_text()}".encode("latin-1"))
+    assert check("4.2", "unit4/launch/exercise4_2_1.launch", namespace={}).is_right
+
+
 def test_a_namespace_may_stand_for_the_beginning_of_a_topic(unit4: Path) -> None:
     node = unit4 / "src" / "exercise4_2_2.py"
     node.write_text(node.read_text().replace('"/waterhole/', '"'))

@@ -78,7 +78,13 @@ class Subscriber:
     def add_callback(self, cb: Callable[..., None], cb_args: object = None) -> None:
         """Add a callback."""
         runtime = get_runtime()
-        call = cb if cb_args is None else lambda message: cb(message, cb_args)
+        prepare = getattr(self.data_class, "with_arrays", None)
+
+        def call(message: Message) -> None:
+            if prepare:  # a class of rospy.numpy_msg
+                message = prepare(message)
+            cb(message) if cb_args is None else cb(message, cb_args)
+
         subscription = Subscription(self.name, call, self._queue_size)
         self._mine.append(subscription)
         runtime.subscriptions.append(subscription)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections import deque
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
 from course_lib.offline_ros.modules import _rospy_topics, get_runtime
+from course_lib.offline_ros.times import Time
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -34,6 +36,67 @@ class Subscriber(SimpleFilter):
         super().__init__()
         self.topic = args[0] if args else kwargs["name"]
         self.sub = _rospy_topics.Subscriber(*args, **{**kwargs, "callback": self.signalMessage})
+
+
+class Cache(SimpleFilter):
+    """Keeps the last messages, and passes them on.
+
+    Parameters
+    ----------
+    f : SimpleFilter
+        Where they come from.
+    cache_size : int, optional
+        How many are kept.
+    allow_headerless : bool, optional
+        Messages without header are stamped when they arrive.
+    """
+
+    def __init__(
+        self,
+        f: SimpleFilter,
+        cache_size: int = 1,
+        allow_headerless: bool = False,  # noqa: FBT001, FBT002  (message_filters')
+    ) -> None:
+        super().__init__()
+        self._headerless = allow_headerless
+        self._kept: deque[tuple[Time, Any]] = deque(maxlen=cache_size)
+        f.registerCallback(self.add)
+
+    def add(self, msg: Any) -> None:  # noqa: ANN401  (any message class)
+        """Keep a message and pass it on."""
+        if hasattr(msg, "header"):
+            self._kept.append((msg.header.stamp, msg))
+        elif self._headerless:
+            self._kept.append((Time.now(), msg))
+        else:
+            return
+        self.signalMessage(msg)
+
+    def getInterval(self, from_stamp: Time, to_stamp: Time) -> list[Any]:  # noqa: N802
+        """Give what was stamped between two times, in the order in which it came."""
+        return [message for stamp, message in self._kept if from_stamp <= stamp <= to_stamp]
+
+    def getElemAfterTime(self, stamp: Time) -> Any:  # noqa: ANN401, N802
+        """Give the first that was stamped then or later; None for none."""
+        return next((message for kept, message in self._kept if kept >= stamp), None)
+
+    def getElemBeforeTime(self, stamp: Time) -> Any:  # noqa: ANN401, N802
+        """Give the last that was stamped then or earlier; None for none."""
+        return next((message for kept, message in reversed(self._kept) if kept <= stamp), None)
+
+    def getLast(self) -> Any:  # noqa: ANN401, N802
+        """Give the last; None for none."""
+        return self._kept[-1][1] if self._kept else None
+
+    def getLatestTime(self) -> Time | None:  # noqa: N802
+        """Give the last's time; None for none."""
+        return self._kept[-1][0] if self._kept else None
+
+    getLastestTime = getLatestTime  # noqa: N815  (message_filters has this name, too)
+
+    def getOldestTime(self) -> Time | None:  # noqa: N802
+        """Give the time of the oldest that is kept; None for none."""
+        return self._kept[0][0] if self._kept else None
 
 
 class ApproximateTimeSynchronizer(SimpleFilter):

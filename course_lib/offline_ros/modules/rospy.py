@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
+from types import ModuleType
 from typing import NoReturn
 
 from course_lib.offline_ros import exceptions
@@ -20,7 +20,7 @@ from course_lib.offline_ros.exceptions import (
     TransportTerminated,
 )
 from course_lib.offline_ros.messages import Message, message_class
-from course_lib.offline_ros.modules import _rospy_log
+from course_lib.offline_ros.modules import _rospy_log, _rospy_numpy
 from course_lib.offline_ros.modules._rospy_node import (
     DEBUG,
     ERROR,
@@ -114,10 +114,26 @@ __all__ = [
     "wait_for_message",
 ]
 
-# The same names once more, under the module that older nodes use.
-rostime = SimpleNamespace(
-    Duration=Duration, Rate=Rate, Time=Time, get_rostime=get_rostime, get_time=get_time
+
+def _module(name: str, **names: object) -> ModuleType:
+    made = ModuleType(f"rospy.{name}")
+    made.__dict__.update(names)
+    return made
+
+
+# The same names once more, under the modules that some nodes import them from.
+rostime = _module(
+    "rostime",
+    Duration=Duration,
+    Time=Time,
+    get_rostime=get_rostime,
+    get_time=get_time,
+    wallsleep=sleep,
+    Rate=Rate,
 )
+timer = _module("timer", Rate=Rate, Timer=Timer, sleep=sleep)
+numpy_msg = _module("numpy_msg", numpy_msg=_rospy_numpy.numpy_msg)
+SUBMODULES = {"exceptions": exceptions, "rostime": rostime, "timer": timer, "numpy_msg": numpy_msg}
 
 globals().update(_rospy_log.FUNCTIONS)
 
@@ -138,13 +154,16 @@ _UNSUPPORTED = {
     "msg": "import message classes from std_msgs.msg and the like",
     "msproxy": _INNER,
     "names": "use rospy.resolve_name",
-    "numpy_msg": "turn the fields into arrays with numpy.asarray",
     "parse_rosrpc_uri": _SERVICES,
     "service": _SERVICES,
-    "timer": "use rospy.Timer",
     "topics": "use rospy.Publisher and rospy.Subscriber",
     "wait_for_service": _SERVICES,
 }
+
+
+def advice(name: str) -> str:
+    """Say what to use instead of a part of rospy that is not there."""
+    return _UNSUPPORTED.get(name, _INNER)
 
 
 def __getattr__(name: str) -> NoReturn:

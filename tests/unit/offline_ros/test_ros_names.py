@@ -28,6 +28,7 @@ def test_arguments() -> None:
         ("/camera/image", "/camera/image"),
         ("", ""),
         ("[broken", "[broken"),
+        ("{n: 58, y: N, off: no}", {"n": 58, "y": "N", False: False}),  # as PyYAML has it
     ],
 )
 def test_values_are_read_as_yaml(text: str, value: object) -> None:

@@ -102,6 +102,17 @@ def test_parameters_and_names(bag: Path) -> None:
     ]
 
 
+def test_parameters_that_are_not_the_nodes_own(bag: Path, tmp_path: Path) -> None:
+    node = tmp_path / "reads.py"
+    node.write_text(
+        "import rospy\nrospy.init_node('reads')\n"
+        "print(rospy.get_param('/n'), rospy.get_param('text'), rospy.get_param('/well'))\n"
+    )
+    shared = {"/n": 58, "/ns/text": "5", "/well/a": [1], "/well/b": {"c": True}}
+    recording = run_node(node, bag=bag, remap={"__ns": "ns"}, params=shared)
+    assert recording.output == "58 5 {'a': [1], 'b': {'c': True}}\n"
+
+
 def test_crash_shows_the_nodes_own_lines_and_keeps_what_was_published(bag: Path) -> None:
     with pytest.raises(NodeError, match=r"crash\.py crashed") as caught:
         run_node(NODES / "crash.py", bag=bag)
@@ -149,6 +160,64 @@ def test_timeout(bag: Path) -> None:
         run_node(NODES / "loops.py", bag=bag, params={"kind": "deaf"}, timeout=1)
 
 
+def test_modules_within_rospy_and_others(bag: Path, tmp_path: Path) -> None:
+    package = tmp_path / "mine"
+    (package / "src").mkdir(parents=True)
+    (package / "package.xml").write_text("<package><name>mine</name></package>")
+    node = package / "src" / "node.py"
+    node.write_text(
+        "import message_filters, roslib.packages, rospy, rospy.timer\n"
+        "from rospy.numpy_msg import numpy_msg\n"
+        "from rospy.rostime import Duration, wallsleep\n"
+        "from sensor_msgs.msg import Image\n"
+        "rospy.init_node('n')\n"
+        "print(roslib.packages.get_pkg_dir('mine'))\n"
+        "m = rospy.wait_for_message('/camera/rgb/image_raw', numpy_msg(Image))\n"
+        "print(type(m.data).__name__, m.data[0])\n"
+        "from std_msgs.msg import Float32MultiArray\n"
+        "numbers = rospy.Publisher('numbers', Float32MultiArray, queue_size=1, latch=True)\n"
+        "numbers.publish(data=[1.5, 2])\n"
+        "got = rospy.wait_for_message('numbers', numpy_msg(Float32MultiArray), timeout=1)\n"
+        "print(got.data.dtype, got.data)\n"
+        "source = message_filters.Subscriber('/camera/rgb/image_raw', Image)\n"
+        "kept, seen = message_filters.Cache(source, 3), []\n"
+        "kept.registerCallback(seen.append)\n"
+        "wallsleep(1.05)\n"
+        "last = kept.getLatestTime()\n"
+        "print(len(seen), len(kept.getInterval(kept.getOldestTime(), last)))\n"
+        "print(kept.getElemBeforeTime(last) is kept.getLast() is seen[-1])\n"
+        "print(kept.getElemAfterTime(last - Duration(0.1)) is seen[-2])\n"
+        "print(kept.getElemAfterTime(last + Duration(1)))\n"
+    )
+    recording = run_node(node, bag=bag)
+    assert recording.output.splitlines() == [
+        str(package),
+        f"bytes {frame(0)[0, 0, 0]}",
+        "float32 [1.5 2. ]",
+        "10 3",
+        "True",
+        "True",
+        "None",
+    ]
+
+
+@pytest.mark.parametrize("build", ["catkin_python_setup()", "# catkin_python_setup()"])
+def test_the_packages_own_modules(bag: Path, tmp_path: Path, build: str) -> None:
+    for folder in ("nodes", "src/mine"):
+        (tmp_path / folder).mkdir(parents=True)
+    (tmp_path / "package.xml").write_text("<package><name>mine</name></package>")
+    (tmp_path / "CMakeLists.txt").write_text(f"project(mine)\n{build}\ncatkin_package()\n")
+    (tmp_path / "setup.py").write_text("raise SystemExit('catkin runs this')")
+    (tmp_path / "src" / "mine" / "__init__.py").write_text("WORD = 'found'\n")
+    node = tmp_path / "nodes" / "node.py"
+    node.write_text("import rospy\nfrom mine import WORD\nprint(WORD)\n")
+    if build.startswith("#"):
+        with pytest.raises(NodeError, match="No module named 'mine'"):
+            run_node(node, bag=bag)
+    else:
+        assert run_node(node, bag=bag).output == "found\n"
+
+
 def test_windows_become_pictures(bag: Path) -> None:
     recording = run_node(NODES / "window.py", bag=bag)
     assert list(recording.windows) == ["camera"]
@@ -164,6 +233,8 @@ def test_windows_become_pictures(bag: Path) -> None:
         ("from std_srvs.srv import Empty", "std_srvs"),
         ("from sensor_msgs.srv import SetCameraInfo", "import sensor_msgs.srv is not supported"),
         ("cv2.selectROI('w', None)", "cv2.selectROI is not supported by offline_ros"),
+        ("from rospy.impl import tcpros", "import rospy.impl is not supported by offline_ros"),
+        ("import roslib.message", "import roslib.message is not supported by offline_ros"),
         ("rospy.nonsense()", "module 'rospy' has no attribute 'nonsense'"),
         ("from sensor_msgs.msg import Picture", "Picture"),
     ],
