@@ -124,6 +124,8 @@ def cannot_start(text: str, tree: ast.Module) -> str | None:
     -------
     str or None
     """
+    if not text.strip():
+        return "is empty"
     if not text.startswith("#!"):
         return "should begin with #!/usr/bin/env python3, or it cannot be run"
     if text.partition("\n")[0].endswith("\r"):

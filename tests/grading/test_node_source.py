@@ -21,6 +21,10 @@ def test_nothing_is_said_about_a_node_that_works(text):
     assert why_silent(text, TOPIC, given) == []
 
 
+def test_an_empty_file_is_said_to_be():
+    assert cannot_start("\n", parse("\n")) == "is empty"
+
+
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
