@@ -10,6 +10,7 @@ from __future__ import annotations
 import time
 from collections import defaultdict
 from dataclasses import dataclass, field
+from itertools import islice
 from queue import Empty
 from typing import TYPE_CHECKING, Any
 
@@ -35,6 +36,7 @@ _ENDED = (
     "it ended its process, or crashed it, as OpenCV does where its objects are not made by their "
     "own functions, such as cv2.ORB() instead of cv2.ORB_create()"
 )
+_MOST_SAVED = 8  # pictures of a node; as many as `node_run` sends
 _ROS_SECONDS = 60.0  # more, for ROS itself to start and end on a busy machine
 _JPEG = [cv2.IMWRITE_JPEG_QUALITY, 95]
 
@@ -287,7 +289,10 @@ class Student:
                 counts={clean(str(n), 100): int(c) for n, c in found["counts"].items()},
                 types={clean(str(n), 100): clean(str(t), 100) for n, t in found["types"].items()},
                 unstamped=frozenset(clean(str(n), 100) for n in found["unstamped"]),
-                files={clean(str(n), 200): _bytes(data) for n, data in found["files"].items()},
+                files={
+                    clean(str(n), 200): _bytes(data)
+                    for n, data in islice(found["files"].items(), _MOST_SAVED)
+                },
                 # The last line of a traceback says most.
                 error=clean(error[-_LAST:]) if isinstance(error := found["error"], str) else None,
                 log=clean(str(found["log"])[-_LAST:]),

@@ -98,6 +98,12 @@ def test_an_array_is_no_run_of_a_node():
         Student(Answers(run_node=np.zeros(3)), 1).run_node(NODE, [])
 
 
+def test_thousands_of_saved_pictures_are_not_all_looked_at():
+    run = {"topics": {}, "counts": {}, "types": {}, "unstamped": [], "error": None, "log": ""}
+    answers = Answers(run_node=run | {"files": {f"{n}.png": b"" for n in range(1500)}})
+    assert len(Student(answers, 1).run_node(NODE, []).files) < 10
+
+
 @pytest.mark.parametrize("count", [np.array([60, 4]), [60], float("inf"), float("nan"), "60", True])
 def test_what_is_no_whole_number_is_no_match_count(count):
     answers = Answers(
