@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import islice
 from typing import Any
 
 from course_lib.grading.replies import BadValue
 from course_lib.grading.text import clean
 
+_MOST_SAVED = 8  # pictures of a node; as many as `node_run` sends
 _LAST = 2000  # characters of what a node said, no more than `clean` keeps
 
 
@@ -68,7 +70,10 @@ def read(path: str, found: Any) -> NodeRun:  # noqa: ANN401
             counts={clean(str(n), 100): int(c) for n, c in found["counts"].items()},
             types={clean(str(n), 100): clean(str(t), 100) for n, t in found["types"].items()},
             unstamped=frozenset(clean(str(n), 100) for n in found["unstamped"]),
-            files={clean(str(n), 200): _bytes(data) for n, data in found["files"].items()},
+            files={
+                clean(str(n), 200): _bytes(data)
+                for n, data in islice(found["files"].items(), _MOST_SAVED)
+            },
             # The last line of a traceback says most.
             error=clean(error[-_LAST:]) if isinstance(error := found["error"], str) else None,
             log=clean(str(found["log"])[-_LAST:]),

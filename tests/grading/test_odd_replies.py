@@ -11,9 +11,10 @@ import pytest
 
 from course_lib.grading import wire
 from course_lib.grading.plots import shows_plot
+from course_lib.grading.replies import BadValue, Raised
 from course_lib.grading.rubric import Grade, GradeFailed
 from course_lib.grading.seeds import Seeds
-from course_lib.grading.student import BadValue, Raised, Student
+from course_lib.grading.student import Student
 
 HIDDEN = Path(__file__).parents[1] / "hidden"
 NODE = "src/exercise4_2_2.py"
@@ -96,6 +97,12 @@ def test_parameters_that_cannot_be_sent_are_the_launch_files_fault():
 def test_an_array_is_no_run_of_a_node():
     with pytest.raises(BadValue, match="could not be read"):
         Student(Answers(run_node=np.zeros(3)), 1).run_node(NODE, [])
+
+
+def test_thousands_of_saved_pictures_are_not_all_looked_at():
+    run = {"topics": {}, "counts": {}, "types": {}, "unstamped": [], "error": None, "log": ""}
+    answers = Answers(run_node=run | {"files": {f"{n}.png": b"" for n in range(1500)}})
+    assert len(Student(answers, 1).run_node(NODE, []).files) < 10
 
 
 @pytest.mark.parametrize("count", [np.array([60, 4]), [60], float("inf"), float("nan"), "60", True])

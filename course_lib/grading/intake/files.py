@@ -89,7 +89,7 @@ class Copier:
                 self._one(os.open(path.parent, os.O_RDONLY), path.name, PurePosixPath(path.name))
         except OSError as error:
             _raise_ours(error)
-            self._left_out(path.name, f"cannot be read: {error.strerror}")
+            self._left_out(path.name, f"cannot be read ({error.strerror})")
 
     def archive(self, path: Path) -> None:
         """Copy the content of an archive."""
@@ -135,7 +135,7 @@ class Copier:
                 self._left_out(name, _kind(mode))
         except OSError as error:
             _raise_ours(error)
-            self._left_out(name, f"cannot be read: {error.strerror}")
+            self._left_out(name, f"cannot be read ({error.strerror})")
 
     def _one(self, folder: int, name: str, target: PurePosixPath) -> None:
         # Between looking and opening a file may be exchanged: so no waiting, no following, and a
