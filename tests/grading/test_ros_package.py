@@ -6,8 +6,9 @@ from types import SimpleNamespace
 
 import pytest
 
+from course_lib.grading.node_answer import NodeRun
 from course_lib.grading.ros_package import Package, what_went_wrong
-from course_lib.grading.student import NodeRun, PackageFile
+from course_lib.grading.student import PackageFile
 
 
 @pytest.mark.parametrize(
