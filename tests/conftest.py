@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 
 import pytest
 from hypothesis import settings
@@ -10,6 +11,11 @@ from hypothesis import settings
 # How long an example takes says more about the machine than about the code.
 settings.register_profile("course", deadline=None)
 settings.load_profile("course")
+
+# What a shell starts in the background ignores Ctrl-C, and what it starts does too: then the tests
+# that interrupt a program would wait for nothing.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 collect_ignore = ["hidden", "grading/quick_hidden"]  # these run inside the grader
 
