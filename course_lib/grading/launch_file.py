@@ -93,13 +93,13 @@ def _root(data: bytes, scope: Scope) -> ET.Element:
 class _Reader:
     def __init__(self) -> None:
         self._included = 0
-        self._nodes: dict[str, tuple[str, LaunchNode]] = {}  # by full name; with the namespace
+        self._nodes: dict[str, LaunchNode] = {}  # by full name
 
     def nodes(self, params: Parameters) -> list[LaunchNode]:
         """Return the nodes that were read; all parameters are set before the first is started."""
         return [
-            replace(node, params=params.seen_by(namespace, node.name))
-            for namespace, node in self._nodes.values()
+            replace(node, params=params.seen_by(node.remaps.get("__ns", ""), node.name))
+            for node in self._nodes.values()
         ]
 
     def read(self, element: ET.Element, scope: Scope, depth: int = 0) -> None:
@@ -156,4 +156,4 @@ class _Reader:
         remaps |= {"__ns": scope.namespace} if scope.namespace else {}
         remaps |= {"__name": name} if name else {}
         node = LaunchNode(package, kind, name, {}, remaps, tuple(arguments))
-        self._nodes[full if name else f"/{len(self._nodes)}"] = (scope.namespace, node)
+        self._nodes[full if name else f"/{len(self._nodes)}"] = node

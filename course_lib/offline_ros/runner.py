@@ -128,12 +128,15 @@ def run_node(
     played = Path(folder.name) / "played.txt" if progress else None
     if played:
         options.append(f"--progress={played}")
-    shared = {name: value for name, value in (params or {}).items() if name.startswith("/")}
-    own = {name: value for name, value in (params or {}).items() if name not in shared}
-    options += [f"--param={name}:={as_yaml(value)}" for name, value in shared.items()]
+    given = [f"{left}:={right}" for left, right in (remap or {}).items()]
+    for name, value in (params or {}).items():
+        if name.startswith("/"):
+            options.append(f"--param={name}:={as_yaml(value)}")
+        else:
+            given.append(f"_{name.lstrip('~_')}:={as_yaml(value)}")
     # -P: what lies beside a notebook, such as its own random.py, is no module on a robot either.
     command = [sys.executable, "-P", "-m", "course_lib.offline_ros", f"--record={record}", *options]
-    status = _run([*command, str(node), *_arguments(remap or {}, own)], printed, played)
+    status = _run([*command, str(node), *given], printed, played)
     output = _tail(printed)
     if status == 2 and not record.exists():
         raise BagError(output.rpartition("error: ")[2].strip())
@@ -158,11 +161,6 @@ def _limits(limits: Mapping[str, float | None]) -> list[str]:
             msg = f"{name.replace('-', '_')} must be positive, not {value}"
             raise ValueError(msg)
     return [f"--{name}={value}" for name, value in limits.items() if value is not None]
-
-
-def _arguments(remap: Mapping[str, str], params: Mapping[str, Any]) -> list[str]:
-    remaps = [f"{left}:={right}" for left, right in remap.items()]
-    return remaps + [f"_{name.lstrip('~_')}:={as_yaml(value)}" for name, value in params.items()]
 
 
 def _tail(printed: Path) -> str:

@@ -72,7 +72,7 @@ def _could_be(picture, mug, scene):
         beside += [
             s
             for s in scenes
-            if lines_cross(picture, one.box, s.box) and _neighbours(one.box, s.box, boxes)
+            if _neighbours(one.box, s.box, boxes) and lines_cross(picture, one.box, s.box)
         ]
         if beside:
             parts.append(np.array([False, True, False]))
